@@ -2,11 +2,14 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.interpolate import CubicHermiteSpline
+from scipy.integrate import cumulative_simpson, simpson, solve_ivp
+from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
 import viscorod as vr
+from viscorod.analyses.case_run import as_model, run_case
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.025, 0.003
 
@@ -182,6 +185,88 @@ def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_s
     assert np.abs(found.multipliers[:, 0]).max() == pytest.approx(1.0 + growth(1.0), abs=5e-3)
 
 
+def stretched_duffing():
+    """Return ``w^2/w0^2 - 1`` over the square of the amplitude in the middle of a clamped beam [1/m^2].
+
+    One mode of von Karman's beam whose ends cannot come nearer: the potential EA/(8 L) (int w'^2)^2 makes the force
+    EA/(2 L) (int phi'^2)^2 q^3, three quarters of which count (Nayfeh and Mook, Nonlinear Oscillations, section 7.1).
+    """
+    x, f, f1, _ = mode_of(4.730040744862704, sign=-1.0)
+    stretching = 0.5 * simpson(f1**2, x=x) ** 2 * 12.0 / HEIGHT**2
+    stiffness = 4.730040744862704**4 * simpson(f * f, x=x)
+    return 0.75 * stretching / stiffness / np.interp(0.5, x, f) ** 2
+
+
+def mode_of(k, sign):
+    """Return arc length, shape and two derivatives of a mode of a clamped beam, other end free (1) or clamped (-1)."""
+    x = np.linspace(0.0, 1.0, 4001)
+    s = (np.cosh(k) + sign * np.cos(k)) / (np.sinh(k) + sign * np.sin(k))
+    ch, sh, c, n = np.cosh(k * x), np.sinh(k * x), np.cos(k * x), np.sin(k * x)
+    return x, ch - c - s * (sh - n), k * (sh + n - s * (ch - c)), k**2 * (ch + c - s * (sh + n))
+
+
+def inextensible_cantilever(k):
+    """Return ``w^2/w0^2 - 1`` over the square of the amplitude of the tip, over the length, of one mode.
+
+    Curvature w''^2 (1 + w'^2) against the inertia of the shortening int w'^2/2: q'' + w0^2 q + k3 q^3 + b (q q'^2 +
+    q^2 q'') = 0 (Crespo da Silva and Glynn 1978; Nayfeh and Pai, Linear and Nonlinear Structural Mechanics, 2004,
+    section 4.5): the first mode hardens, the second softens.
+    """
+    x, f, f1, f2 = mode_of(k, sign=1.0)
+    mass = simpson(f * f, x=x)
+    k3 = 2.0 * simpson(f1**2 * f2**2, x=x) / mass / k**4
+    b = simpson(cumulative_simpson(f1**2, x=x, initial=0.0) ** 2, x=x) / mass
+    return (0.75 * k3 - 0.5 * b) / f[-1] ** 2
+
+
+def shift(found, last):
+    """Return by what the square of the frequency grows with that of the amplitude, over its first value."""
+    square, a = (found.frequencies / found.frequencies[0]) ** 2, found.amplitude(0)
+    return (square[-1] - square[last]) / (a[-1] ** 2 - a[last] ** 2)
+
+
+def test_clamped_beam_hardens_as_duffing_says():
+    found = clamped(order=4).periodic(mode=1, largest=4e-4, outputs=["beam@0.2 uz"], harmonics=3, step=0.8)
+    assert shift(found, -3) == pytest.approx(stretched_duffing(), rel=2e-3)
+    # all viscosity is that of one time: tau w/2
+    assert found.damping_ratios[0] == pytest.approx(5e-5 * np.pi * found.frequencies[0], rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("mode", "k", "largest"), [(1, 1.875104068711961, 0.06), (2, 4.694091132974175, 0.02)]
+)
+def test_first_mode_of_a_cantilever_hardens_and_the_second_softens(mode, k, largest):
+    exact = inextensible_cantilever(k)
+    assert (exact > 0.0) == (mode == 1)
+    found = strip(5e-6, order=4)
+    found.clamp("beam.start")
+    swings = found.periodic(
+        mode=mode, largest=largest * LENGTH, outputs=["beam.end uz"], harmonics=5, step=0.8
+    )
+    assert shift(swings, -4) * LENGTH**2 == pytest.approx(exact, rel=3e-3)
+
+
+def test_backbone_is_what_a_decay_passes_through():
+    """The released cantilever of Linn, Lang and Tuganov, computed in time: period and decrement of its cycles."""
+    case = load_case(shipped_case("cantilever_swing"))
+    decay = run_case(case).decrement("beam.end", "y")
+    found = as_model(case.description).periodic(
+        mode=1, largest=0.17, outputs=["beam.end uy"], about="released", harmonics=7, step=0.3
+    )
+    sizes = np.asarray(decay.amplitude)
+    mean, at = (
+        np.sqrt(sizes[1:] * sizes[:-1])[2:],
+        found.amplitude(0),
+    )  # the first cycles have other modes too
+    ratio = CubicSpline(at, found.decrement_ratios(0))(mean)
+    np.testing.assert_allclose(np.asarray(decay.damping_ratio)[2 : 2 + len(mean)], ratio, rtol=5e-3)
+    undamped = CubicSpline(at, found.frequencies)(mean)
+    zeta = CubicSpline(at, found.damping_ratios)(mean)
+    period = 1.0 / (undamped * np.sqrt(1.0 - zeta**2))
+    np.testing.assert_allclose(np.asarray(decay.period)[2 : 2 + len(mean)], period, rtol=2e-4)
+    assert len(mean) >= 3
+
+
 def test_result_is_saved_loaded_reported_drawn_and_tabulated(tmp_path):
     found = clamped(elements=2, order=2).periodic(
         inputs="beam@0.2 fz",
@@ -201,6 +286,14 @@ def test_result_is_saved_loaded_reported_drawn_and_tabulated(tmp_path):
     assert len(rows) == 1 + len(found.levels)
     for kind in ("amplitude", "multipliers", "loops"):
         assert found.plot(tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
+    free = clamped(elements=2, order=2).periodic(
+        mode=1, largest=1e-3, outputs=["beam@0.2 uz"], harmonics=3, step=1.0
+    )
+    again = vr.load(free.save(tmp_path / "free.nc"))
+    assert again.report() == free.report()
+    assert free.plot(tmp_path / "backbone.png").stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="free vibrations"):
+        _ = free.stable
 
 
 def test_what_periodic_motions_do_not_know_is_refused_by_name():
@@ -209,6 +302,8 @@ def test_what_periodic_motions_do_not_know_is_refused_by_name():
         cantilever().periodic(inputs=["beam.end fz", "beam.end fy"], **drive)
     with pytest.raises(vr.InputError, match="over frequencies or over levels"):
         cantilever().periodic(inputs="beam.end fz", amplitudes=[1.0], outputs=["beam.end uz"])
+    with pytest.raises(vr.InputError, match="forced by inputs, or are free vibrations"):
+        cantilever().periodic(outputs=["beam.end uz"])
     with pytest.raises(vr.InputError, match="moved, not turned"):
         cantilever().periodic(inputs="base rz", **drive)
     spinning = strip()

@@ -6,7 +6,7 @@ from dataclasses import fields
 
 import numpy as np
 
-from viscorod.solve.history import EnergyAccount
+from viscorod.solve.energy_account import EnergyAccount
 
 
 def test_a_copy_has_every_entry_and_goes_its_own_way():

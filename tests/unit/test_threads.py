@@ -37,7 +37,7 @@ def _history(acceleration: float) -> tuple[np.ndarray, ...]:
         np.array(history.instant),
         np.array([snapshot.state.r for snapshot in history.snapshots]),
         np.array([snapshot.section_force for snapshot in history.snapshots]),
-        np.array(history.energy),
+        history.energies()[0],
     )
 
 

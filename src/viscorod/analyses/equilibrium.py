@@ -13,8 +13,9 @@ from viscorod.analyses.start_state import StartState
 from viscorod.analyses.static_stages import stages_of
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.run import Equilibrium
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
@@ -75,7 +76,7 @@ class _Equilibrium:
         watch = self.discrete.watch
         if staged and watch.feasible:
             begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
-        watch.see(self.history.snapshots[-1], factor)
+        watch.see(self.history.records[-1].states.at(-1), factor)
         found = {"found_by": self._found_by()} | stability_attributes(search.stability)
         return self._result(Outcome.COMPLETED, found | watch.attributes)
 

@@ -87,7 +87,7 @@ def with_input_loads(
     Raises:
         InputError: the model has no such place, by the number of the input.
     """
-    inputs = [(k, one) for k, one in enumerate(settings.inputs) if isinstance(one, LoadInput)]
+    inputs = [(k, one) for k, one in enumerate(settings.inputs or ()) if isinstance(one, LoadInput)]
     loads = [one.load.model_copy(update={"time": Constant(0.0), "until": None}) for _, one in inputs]
     faults = [
         Fault(f"inputs[{k}]", repr(one.label), error.why, error.instead)

@@ -10,8 +10,9 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
 from viscorod.solve.constraints.rigid_motions import many_parts
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes import vibrations
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start

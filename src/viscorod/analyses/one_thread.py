@@ -2,10 +2,16 @@
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
+from functools import lru_cache
+from typing import Any
 
 __all__ = ["one_blas_thread"]
+
+BRING_BLAS = ("numpy.linalg", "scipy.linalg")
+"""Modules with which the process loads libraries for linear algebra."""
 
 
 @contextmanager
@@ -14,7 +20,14 @@ def one_blas_thread() -> Iterator[None]:
 
     The matrices of rods are small blocks and narrow bands: further threads take processor time to wait for each other.
     """
-    from threadpoolctl import threadpool_limits
-
-    with threadpool_limits(limits=1, user_api="blas"):
+    with _libraries(tuple(name in sys.modules for name in BRING_BLAS)).limit(limits=1, user_api="blas"):
         yield
+
+
+@lru_cache
+def _libraries(loaded: tuple[bool, ...]) -> Any:
+    """Return the control of all libraries; they are sought once, as the search takes milliseconds."""
+    from threadpoolctl import ThreadpoolController
+
+    del loaded
+    return ThreadpoolController()

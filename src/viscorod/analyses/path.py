@@ -13,8 +13,9 @@ from viscorod.analyses.equilibrium import equilibrium_near
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
 from viscorod.results.run import Equilibrium
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
+from viscorod.solve.history import History, Snapshot, StationReader
 from viscorod.solve.settings.statics import PathSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.path_follower import Path, PathFollower

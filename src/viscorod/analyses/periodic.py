@@ -10,13 +10,16 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.analyses.linear_about import placed_outputs
-from viscorod.errors import SolveError
-from viscorod.results.periodic import Periodic
+from viscorod.errors import Fault, InputError, SolveError
+from viscorod.results.periodic import NO_INPUT, Periodic
 from viscorod.solve.formulations.system import State
-from viscorod.solve.periodic.continuation import Continuation, OrbitPoint, Parameter
+from viscorod.solve.modes.linearisation import linearise
+from viscorod.solve.modes.undamped import undamped_modes
+from viscorod.solve.periodic.backbone import Backbone
+from viscorod.solve.periodic.continuation import UNSTABLE, Continuation, Parameter
 from viscorod.solve.periodic.drive import Drive
 from viscorod.solve.periodic.fourier import Fourier
-from viscorod.solve.periodic.orbit_balance import OrbitBalance, Setting
+from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
 from viscorod.solve.periodic.orbit_outputs import OrbitOutputs
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.signals import LoadInput
@@ -27,6 +30,8 @@ if TYPE_CHECKING:
 
 __all__ = ["periodic"]
 
+FINE = 2.0 * np.pi * np.arange(200) / 200
+"""Phases [rad] at which the extremes of an output are sought."""
 KEPT = 12
 """Floquet multipliers of every motion that a result has, the largest ones."""
 TAIL = 1e-4
@@ -37,21 +42,35 @@ def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
     """Follow periodic motions; see ``Model.periodic``."""
     discrete.require_independent()
     model, problem = discrete.model, discrete.problem
-    base = State.reference(problem)
-    find_initial_equilibrium(discrete, base, before=True)
-    first_load = len(model.loads) - sum(isinstance(one, LoadInput) for one in settings.inputs)
+    before, base = settings.about == "equilibrium", State.reference(problem)
+    find_initial_equilibrium(discrete, base, before=before)
+    signals = settings.inputs or ()
     drive = Drive.of(
         problem,
         discrete.supports,
         discrete.system.constraints,
-        settings.inputs,
-        np.array(settings.amplitudes),
-        np.array(settings.phases or np.zeros(len(settings.inputs))),
-        first_load,
+        signals,
+        np.array(settings.amplitudes or ()),
+        np.array(settings.phases or np.zeros(len(signals))),
+        len(model.loads) - sum(isinstance(one, LoadInput) for one in signals),
     )
-    balance = OrbitBalance(discrete.system, base, drive, Fourier(settings.harmonics))
+    balance = OrbitBalance(discrete.system, base, drive, Fourier(settings.harmonics), before=before)
     outputs = OrbitOutputs(balance, discrete.static, placed_outputs(discrete, settings))
-    turn = 2.0 * np.pi
+    record = _Record(balance, outputs)
+    try:
+        follow = _forced if settings.mode is None else _free
+        reached = follow(discrete, settings, record)
+    except SolveError as error:
+        if not record.points:
+            raise
+        part = Periodic(_data_set(discrete, settings, record, "stopped"))
+        raise SolveError(f"{error}; {len(record.points)} motions before are in run", part) from None
+    return Periodic(_data_set(discrete, settings, record, "completed" if reached else "points"))
+
+
+def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) -> bool:
+    """Follow forced motions; return whether the curve left its range."""
+    turn, balance = 2.0 * np.pi, record.balance
     if settings.frequencies is not None:
         parameter = Parameter("omega", turn * settings.frequencies[0], turn * settings.frequencies[1])
         setting = Setting(parameter.start, 1.0)
@@ -61,18 +80,48 @@ def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
         parameter = Parameter("level", *settings.levels)
         setting = Setting(turn * settings.frequency, parameter.start)
     continuation = Continuation(balance, parameter, stability=settings.stability, stop=discrete.options.stop)
-    record = _Record(balance, outputs)
-    try:
-        first = continuation.first(balance.resting(), setting)
-        for point in continuation.follow(first, settings.step, settings.points):
-            record.add(point)
-    except SolveError as error:
-        if not record.points:
-            raise
-        part = Periodic(_data_set(discrete, settings, record, "stopped"))
-        raise SolveError(f"{error}; {len(record.points)} motions before are in run", part) from None
-    reached = record.points[-1]["value"] in (parameter.start, parameter.end)
-    return Periodic(_data_set(discrete, settings, record, "completed" if reached else "points"))
+    first = continuation.first(balance.resting(), setting)
+    last = first
+    for point in continuation.follow(first, settings.step, settings.points):
+        record.add(point.motion, point.orbit, point.multipliers, point.bifurcation)
+        last = point
+    return last is not first and last.value in (parameter.start, parameter.end)
+
+
+def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) -> bool:
+    """Follow the free vibrations of a mode; return whether they reached their amplitude.
+
+    Raises:
+        InputError: there is no such mode.
+    """
+    assert settings.mode is not None
+    assert settings.largest is not None
+    balance = record.balance
+    linear = linearise(discrete.static, balance.base, before=settings.about == "equilibrium")
+    found = undamped_modes(linear, settings.mode)
+    swinging = np.flatnonzero(found.squares > 0.0)
+    if len(swinging) < settings.mode:
+        raise InputError(
+            Fault(
+                "mode",
+                str(settings.mode),
+                f"the model has {len(swinging)} vibrations",
+                "give a smaller number",
+            )
+        )
+    at = int(swinging[settings.mode - 1])
+    shape = np.asarray(found.linear.basis @ found.shapes[:, at]).reshape(-1, 6)
+
+    def amplitude(motion: Motion) -> float:
+        course = record.outputs.read(motion)[:, 0]
+        return float(0.5 * np.ptp(balance.fourier.at(FINE) @ course))
+
+    backbone = Backbone(balance, shape, float(np.sqrt(found.squares[at])), amplitude, discrete.options.stop)
+    smallest, size = settings.largest / 100.0, 0.0
+    for solved in backbone.follow(smallest, settings.largest, settings.step, settings.points):
+        record.add(solved.motion, solved.orbit)
+        size = amplitude(solved.motion)
+    return size >= 0.999 * settings.largest
 
 
 class _Record:
@@ -82,31 +131,37 @@ class _Record:
         self.balance, self.outputs = balance, outputs
         self.points: list[dict[str, Any]] = []
 
-    def add(self, point: OrbitPoint) -> None:
-        """Keep a point."""
-        balance, motion, setting = self.balance, point.motion, point.setting
+    def add(
+        self, motion: Motion, orbit: Orbit, multipliers: np.ndarray | None = None, bifurcation: str = ""
+    ) -> None:
+        """Keep a motion."""
+        balance, setting = self.balance, motion.setting
         fourier, period = balance.fourier, 2.0 * np.pi / setting.omega
+        if multipliers is None:
+            multipliers = np.zeros(0, dtype=complex)
         values = np.full(KEPT, np.nan, dtype=complex)
-        values[: len(point.multipliers)] = point.multipliers[:KEPT]
+        values[: len(multipliers)] = multipliers[:KEPT]
         rates = fourier.coefficients(balance.unit_powers(motion))
         order = np.arange(fourier.harmonics + 1)[:, None]
         conjugate = np.where(order > 0, rates / np.maximum(1j * setting.omega * order, 1j * 1e-300), 0.0)
-        orbit = np.abs(fourier.coefficients(point.orbit.X)) ** 2
-        orbit[..., :3] /= balance.problem.length**2
-        harmonics = orbit.sum(axis=(1, 2))[1:]
+        squares = np.abs(fourier.coefficients(orbit.X)) ** 2
+        squares[..., :3] /= balance.problem.length**2
+        harmonics = squares.sum(axis=(1, 2))[1:]
+        loss = period * float(balance.losses(motion).mean())
+        kinetic = 0.5 * np.einsum("pki,kij,pkj->p", motion.twist, balance.body.mass, motion.twist).mean()
         self.points.append(
             {
-                "value": point.value,
                 "frequency": 1.0 / period,
                 "level": setting.level,
                 "coefficient": fourier.coefficients(self.outputs.read(motion)),
                 "drive": balance.drive.phasors(setting.omega, setting.level),
                 "conjugate": conjugate,
                 "work": period * float(balance.put_in(motion).mean()),
-                "loss": period * float(balance.losses(motion).mean()),
+                "loss": loss,
+                "damping_ratio": loss / (8.0 * np.pi * max(float(kinetic), 1e-300)),
                 "multiplier": values,
-                "unstable": point.unstable if len(point.multipliers) else -1,
-                "bifurcation": point.bifurcation,
+                "unstable": int((np.abs(multipliers) > UNSTABLE).sum()) if len(multipliers) else -1,
+                "bifurcation": bifurcation,
                 "tail": float(np.sqrt(harmonics[-2:].sum() / max(harmonics.sum(), 1e-300)))
                 if fourier.harmonics > 2
                 else np.nan,
@@ -124,13 +179,13 @@ def _data_set(
     """Return the data set of periodic motions."""
     import xarray as xr
 
-    notes = _notes(settings, record, outcome)
+    notes, signals = _notes(settings, record, outcome), settings.inputs or ()
     earlier = json.loads(discrete.attributes.get("warnings", "[]"))
     attrs = discrete.complete(
         {
             "kind": Periodic.kind,
             "outcome": outcome,
-            "over": "frequency" if settings.frequencies else "level",
+            "over": "amplitude" if settings.mode else "frequency" if settings.frequencies else "level",
             "harmonics": settings.harmonics,
             "nodes": discrete.problem.size,
             "warnings": json.dumps([*earlier, *notes]),
@@ -148,26 +203,33 @@ def _data_set(
         {
             "level": ("point", record.all("level")),
             "coefficient": (("point", "output", "harmonic", "part"), parts(coefficient)),
-            "drive": (("point", "input", "part"), parts(record.all("drive"))),
-            "conjugate": (("point", "input", "harmonic", "part"), parts(conjugate)),
+            "drive": (("point", "input", "part"), parts(_filled(record.all("drive")))),
+            "conjugate": (("point", "input", "harmonic", "part"), parts(_filled(conjugate))),
             "work": ("point", record.all("work")),
             "loss": ("point", record.all("loss")),
+            "damping_ratio": ("point", record.all("damping_ratio")),
             "multiplier": (("point", "multiplier_number", "part"), parts(multiplier[:, known])),
             "unstable": ("point", record.all("unstable").astype(np.int64)),
             "bifurcation": ("point", record.all("bifurcation").astype(str)),
             "tail": ("point", np.nan_to_num(record.all("tail"))),
-            "input_unit": ("input", np.array([one.unit for one in settings.inputs], dtype=str)),
+            "input_unit": ("input", np.array([one.unit for one in signals] or ["1"], dtype=str)),
             "output_unit": ("output", np.array([one.unit for one in settings.outputs], dtype=str)),
             "frequency": ("point", record.all("frequency")),
         },
         {
             "output": [one.label for one in settings.outputs],
-            "input": [one.label for one in settings.inputs],
+            "input": [one.label for one in signals] or [NO_INPUT],
             "harmonic": np.arange(settings.harmonics + 1),
             "part": ["real", "imaginary"],
         },
         attrs,
     )
+
+
+def _filled(values: np.ndarray) -> np.ndarray:
+    """Return values by point and input; zeros where there is no input, since files have no empty arrays."""
+    points, inputs, *others = values.shape
+    return values if inputs else np.zeros((points, 1, *others), dtype=complex)
 
 
 def _notes(settings: PeriodicSettings, record: _Record, outcome: str) -> list[str]:

@@ -271,7 +271,9 @@ def refined_periodic(
     settings: PeriodicSettings,
 ) -> Periodic:
     """Compute periodic motions on a mesh that resolves vibrations as high as they are; see :func:`refined_response`."""
-    highest = max(settings.frequencies or (settings.frequency or 0.0,))
+    highest = max(
+        settings.frequencies or (settings.frequency or 0.0,)
+    )  # of free vibrations the first is compared
     discrete, errors = _resolving(discrete, highest, settings.accuracy)
     found = analysis(discrete, settings)
     found.data.attrs["frequency_error"] = errors

@@ -12,7 +12,8 @@ from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import SolveError
 from viscorod.results.steady_result import Steady
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.energy_account import EnergyAccount
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.damped import REAL
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered

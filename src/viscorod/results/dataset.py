@@ -38,10 +38,8 @@ def dataset(
     along = DIMENSION[kind]
     reader = StationReader(problem)
     r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
-    snapshots = history.snapshots
-    r = np.array([snapshot.state.r for snapshot in snapshots])
-    q = np.array([snapshot.state.q for snapshot in snapshots])
-    twist = np.array([snapshot.state.twist for snapshot in snapshots])
+    recorded, (energy, branch_loss) = history.states(), history.energies()
+    r, q, twist = recorded.r, recorded.q, recorded.twist
     position, rotation, velocity, spin = reader.read(r, q, twist)
     names, bodies = np.array(problem.rods), problem.bodies.names
     still = np.zeros(len(bodies))
@@ -52,15 +50,11 @@ def dataset(
         "reference_rotation": (("station", "quaternion"), q0),
         "position": ((*states, "axis"), position),
         "rotation": ((*states, "quaternion"), _continuous(rotation)),
-        "strain": ((*points, "component"), np.array([snapshot.strain for snapshot in snapshots])),
-        "section_force": (
-            (*points, "component"),
-            np.array([snapshot.section_force for snapshot in snapshots]),
-        ),
+        "strain": ((*points, "component"), recorded.strain),
+        "section_force": ((*points, "component"), recorded.section_force),
         "half_width": ("point", gauss.half_width),
         "iterations": (along, np.array(history.iterations, dtype=np.int64)),
     }
-    energy = np.array(history.energy)
     variables["elastic"] = (along, energy[:, 1])
     if kind not in ("equilibrium", "modes", "buckling"):
         variables |= {
@@ -71,19 +65,18 @@ def dataset(
     if history.unstable:
         variables["negative_eigenvalues"] = (along, np.array(history.unstable, dtype=np.int64))
     if kind == "simulate":
-        rate = np.array([snapshot.strain_rate for snapshot in snapshots])
+        rate = recorded.strain_rate
         momentum = _momenta(problem, r, q, twist)
         power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
         if problem.laws.present:
-            strain = np.array([snapshot.strain for snapshot in snapshots])
-            sections = np.tile(gauss.section, (len(strain), 1))
-            power += law_responses(problem.laws, sections, strain, rate)[..., POWER]
+            sections = np.tile(gauss.section, (len(rate), 1))
+            power += law_responses(problem.laws, sections, recorded.strain, rate)[..., POWER]
         if problem.relaxing:
-            power += np.array([snapshot.branch_power for snapshot in snapshots])
-            variables["branch_loss"] = ((along, "branch"), np.array(history.branches))
-            springs = [snapshot.branch_strain for snapshot in snapshots]
-            if all(spring is not None for spring in springs):
-                variables["branch_strain"] = ((along, "point", "branch", "component"), np.array(springs))
+            power += recorded.branch_power
+            variables["branch_loss"] = ((along, "branch"), branch_loss)
+            if recorded.branch_strain is not None:
+                where = (along, "point", "branch", "component")
+                variables["branch_strain"] = (where, recorded.branch_strain)
         if problem.motion_loads:
             variables["outside"] = (along, energy[:, 5])
         if any(strain.changes for _, strain in problem.rest_strains):
@@ -115,32 +108,25 @@ def dataset(
     if problem.relaxing:
         coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
     if problem.supports.names:
-        variables["reaction"] = (
-            (along, "support", "motion"),
-            np.array([snapshot.reaction for snapshot in snapshots]),
-        )
+        variables["reaction"] = ((along, "support", "motion"), recorded.reaction)
         coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion")}
     if bodies:
         coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
     if problem.joints.count:
         coordinates |= connections(problem, reader)
-        joints = _joints(along, problem, history)
+        joints = _joints(along, problem, recorded.joints)
         variables, coordinates = variables | joints[0], coordinates | joints[1]
     return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
 
 
-def _joints(along: str, problem: Problem, history: History) -> tuple[dict[str, Any], dict[str, Any]]:
+def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return variables and dimensions for the coordinates of joints and springs."""
-    states = [snapshot.joints for snapshot in history.snapshots if snapshot.joints is not None]
-    if len(states) < len(history.snapshots):
+    if states is None:
         return {}, {}
     joints = problem.joints
     names = np.array(unique(joints.names))
     where = "joint_coordinate"
-    variables = {
-        f"joint_{name}": ((along, where), np.array([getattr(state, name) for state in states]))
-        for name in JointState._fields
-    }
+    variables = {f"joint_{name}": ((along, where), getattr(states, name)) for name in JointState._fields}
     return variables, {
         "joint": (where, names[joints.joint]),
         "joint_motion": (where, np.array(joints.words)),

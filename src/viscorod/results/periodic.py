@@ -18,7 +18,10 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Periodic"]
+__all__ = ["NO_INPUT", "Periodic"]
+
+NO_INPUT = "none"
+"""The input of free vibrations in the data set."""
 
 VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "frequency": (("point",), "Hz", "frequency of the motion"),
@@ -46,6 +49,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     ),
     "work": (("point",), "J", "work of loads, supports and motors in a cycle"),
     "loss": (("point",), "J", "energy lost to viscosity, dampers and outside in a cycle"),
+    "damping_ratio": (("point",), "1", "loss of a cycle over 8 pi times the mean kinetic energy"),
     "multiplier": (
         ("point", "multiplier_number", "part"),
         "1",
@@ -60,7 +64,19 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "tail": (("point",), "1", "size of the highest two harmonics over that of all"),
 }
 """Name -> dimensions, unit and long name of every variable; all are always there."""
-NUMBERS = ("frequency", "level", "coefficient", "drive", "conjugate", "work", "loss", "multiplier", "tail")
+NUMBERS = (
+    "frequency",
+    "level",
+    "coefficient",
+    "drive",
+    "conjugate",
+    "work",
+    "loss",
+    "damping_ratio",
+    "multiplier",
+    "tail",
+)
+"""Variables that have to be finite."""
 FINE = 400
 """Instants of a cycle at which the extremes of an output are sought."""
 
@@ -112,7 +128,9 @@ class Periodic:
 
     @property
     def inputs(self) -> tuple[str, ...]:
-        """The inputs, in words."""
+        """The inputs, in words; none of free vibrations."""
+        if self.data.attrs.get("over") == "amplitude":
+            return ()
         return tuple(str(name) for name in self.data["input"].values)
 
     @property
@@ -131,6 +149,15 @@ class Periodic:
         return np.asarray(self.data["loss"].values, dtype=float)
 
     @property
+    def damping_ratios(self) -> Floats:
+        """Loss of a cycle over 8 pi times the mean kinetic energy ``(points,)``.
+
+        Of free vibrations it is their damping ratio: at this amplitude they decay by the factor exp(-2 pi zeta) in a
+        cycle, to first order.
+        """
+        return np.asarray(self.data["damping_ratio"].values, dtype=float)
+
+    @property
     def multipliers(self) -> np.ndarray:
         """The largest Floquet multipliers ``(points, k)``, complex; k is 0 if they were not wanted."""
         return self._complex("multiplier")
@@ -145,7 +172,8 @@ class Periodic:
         unstable = np.asarray(self.data["unstable"].values)
         if (unstable < 0).any():
             raise InputError(
-                "these motions were computed with stability = False: whether they are stable is not known"
+                "whether these motions are stable is not known: they are free vibrations, or were computed with "
+                "stability = False"
             )
         found: np.ndarray = unstable == 0
         return found
@@ -190,6 +218,31 @@ class Periodic:
         return np.asarray(0.5 * (values.max(axis=1) - values.min(axis=1)))
 
     @checked
+    def decrement_ratios(self, output: str | int = 0) -> Floats:
+        """Return the damping ratio that a decay of an output shows at each amplitude ``(points,)``, of free vibrations.
+
+        A slow decay passes through free vibrations of ever smaller amplitude ``a``. Its action ``J = 2 <T>/omega``
+        falls by ``2 zeta omega J`` per time, the amplitude by ``a dlnJ/dt / (dlnJ/dlna)``: a decrement shows
+        ``2 zeta/(dlnJ/dlna)``, which is zeta where J grows as the square of the amplitude.
+
+        Args:
+            output: its words or number.
+
+        Raises:
+            InputError: these are forced motions, there are fewer than three, or there is no such output.
+        """
+        if self.data.attrs.get("over") != "amplitude" or len(self.frequencies) < 3:
+            raise InputError(
+                "decrements are those of three free vibrations of a mode or more; give mode and largest"
+            )
+        from scipy.interpolate import CubicSpline
+
+        action = self.loss / (8.0 * np.pi**2 * self.damping_ratios * self.frequencies)
+        size = self.amplitude(output)
+        slope = CubicSpline(np.log(size), np.log(action))(np.log(size), 1)
+        return np.asarray(2.0 * self.damping_ratios / slope)
+
+    @checked
     def course(self, point: int, output: str | int = 0, instants: int = FINE) -> tuple[Floats, Floats]:
         """Return times [s] and values of an output in one cycle ``(instants,)``; the inputs begin at their phase.
 
@@ -230,7 +283,9 @@ class Periodic:
         hertz, count = self.frequencies, len(self.frequencies)
         over = str(self.data.attrs.get("over", "frequency"))
         where = (
-            f"from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz"
+            f"from {self.amplitude(0)[0]:.6g} to {self.amplitude(0)[-1]:.6g} of {self.outputs[0]}, free vibrations"
+            if over == "amplitude"
+            else f"from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz"
             if over == "frequency"
             else f"at {hertz[0]:.6g} Hz, {self.levels[0]:.6g} to {self.levels[-1]:.6g} times the amplitudes"
         )
@@ -254,6 +309,8 @@ class Periodic:
             )
         header = ["output", "largest amplitude", "at [Hz]", "level", "smallest"]
         blocks.append(table("Amplitudes (half of the way between extremes)", header, rows))
+        if over == "amplitude":
+            blocks.append(self._backbone())
         if (np.asarray(self.data["unstable"].values) >= 0).all():
             stable = int(self.stable.sum())
             blocks.append(f"Stability: {stable} of {count} motions are stable")
@@ -273,6 +330,23 @@ class Periodic:
         if self.warnings:
             blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
         return "\n\n".join(blocks)
+
+    def _backbone(self) -> str:
+        """Return a table of frequency and damping ratio over the amplitude, of some motions."""
+        size, hertz, ratios = self.amplitude(0), self.frequencies, self.damping_ratios
+        chosen = np.unique(np.linspace(0, len(size) - 1, 8).astype(int))
+        shown = self.decrement_ratios(0) if len(size) > 2 and self.loss.all() else np.full(len(size), np.nan)
+        rows = [
+            [
+                f"{size[k]:.5g}",
+                f"{hertz[k]:.7g}",
+                f"{ratios[k]:.6g}",
+                f"{shown[k]:.6g}" if np.isfinite(shown[k]) else "-",
+            ]
+            for k in chosen
+        ]
+        header = [self.outputs[0], "frequency [Hz]", "damping ratio", "by its decrement"]
+        return table("Free vibrations", header, rows)
 
     @checked
     def save(self, path: str | Path) -> Path:
@@ -296,7 +370,7 @@ class Periodic:
         }
         for k, name in enumerate(self.outputs):
             columns[f"{name} amplitude [{self.data['output_unit'].values[k]}]"] = self.amplitude(k)
-        columns |= {"work [J]": self.work, "loss [J]": self.loss}
+        columns |= {"work [J]": self.work, "loss [J]": self.loss, "damping ratio": self.damping_ratios}
         columns["unstable multipliers"] = np.asarray(self.data["unstable"].values)
         columns["bifurcation"] = np.asarray(self.data["bifurcation"].values, dtype=str)
         return write(columns, path)

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import NamedTuple, Protocol
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,6 +14,7 @@ from viscorod.mechanics.rotations.quaternion import product
 from viscorod.mechanics.rotations.rotation import rotate_rows
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount, StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -70,90 +72,6 @@ def _rotate(q: Floats, a: Floats) -> Floats:
         np.ascontiguousarray(q).reshape(-1, 4), np.ascontiguousarray(a).reshape(-1, 3), out.reshape(-1, 3)
     )
     return out
-
-
-class Progressing(Protocol):
-    """Energies of an integrator after a step, for the energy account."""
-
-    kinetic: float
-    elastic: float
-    work: float
-    loss: float
-    outside: float
-    actuator: float
-
-    @property
-    def branch_loss(self) -> Floats:
-        """Energy dissipated by each Maxwell branch ``(n,)`` [J], part of ``loss``."""
-
-
-class StepShare(NamedTuple):
-    """What happened in a part of a step [J]: work, viscous loss, loss of loads outside, work of rest strains."""
-
-    work: float
-    loss: float
-    outside: float
-    actuator: float
-
-
-@dataclass
-class EnergyAccount:
-    """Energies so far [J].
-
-    ``outside`` is what loads dissipated; ``actuator`` the work of what changes rest strains; ``numerical`` closes the
-    balance;
-    ``branches`` are dissipated by each Maxwell branch, parts of ``viscous``.
-    """
-
-    kinetic: float = 0.0
-    elastic: float = 0.0
-    viscous: float = 0.0
-    external: float = 0.0
-    start: float = 0.0
-    outside: float = 0.0
-    actuator: float = 0.0
-    branches: Floats = field(default_factory=lambda: np.zeros(0))
-
-    @property
-    def numerical(self) -> float:
-        """T + W + D - P - (T + W)_0: energy that the time integration produced (negative: lost)."""
-        given = self.external + self.actuator + self.start
-        return self.kinetic + self.elastic + self.viscous + self.outside - given
-
-    def copy(self) -> EnergyAccount:
-        """Return an independent copy."""
-        copied = EnergyAccount.__new__(EnergyAccount)
-        vars(copied).update(vars(self))
-        return copied
-
-    def add(self, step: Progressing) -> None:
-        """Add a step."""
-        self.kinetic, self.elastic = step.kinetic, step.elastic
-        self.external += step.work
-        self.viscous += step.loss
-        self.outside += step.outside
-        self.actuator += step.actuator
-        self.branches = self.branches + step.branch_loss
-
-    def between(
-        self, end: EnergyAccount, part: float, kinetic: float, step: StepShare, branch_loss: Floats
-    ) -> EnergyAccount:
-        """Return the account at a ``part`` of the step that led from here to ``end``, with what happened up to there.
-
-        The remainder is known at the ends of steps only, and linear between; the elastic energy is what the balance
-        leaves.
-        """
-        viscous, external, outside, actuator = (
-            self.viscous + step.loss,
-            self.external + step.work,
-            self.outside + step.outside,
-            self.actuator + step.actuator,
-        )
-        remainder = (1.0 - part) * self.numerical + part * end.numerical
-        given = external + actuator + self.start
-        elastic = max(remainder - (kinetic + viscous + outside - given), 0.0)
-        branches = self.branches + branch_loss
-        return EnergyAccount(kinetic, elastic, viscous, external, self.start, outside, actuator, branches)
 
 
 class Snapshot(NamedTuple):
@@ -229,65 +147,194 @@ class Snapshot(NamedTuple):
         )
 
 
+class Snapshots(NamedTuple):
+    """States at ``k`` instants one after the other: the fields of :class:`Snapshot` with the instants first.
+
+    ``multiplier`` has one array per instant, which several may share.
+    """
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    multiplier: list[Floats]
+    strain: Floats
+    strain_rate: Floats
+    section_force: Floats
+    reaction: Floats
+    kinetic: Floats
+    elastic: Floats
+    joints: JointState | None = None
+    branch_power: Floats | None = None
+    branch_strain: Floats | None = None
+
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> Snapshots:
+        """Return one snapshot as a series, of the same arrays."""
+        state, strain, rate, force, reaction, kinetic, elastic, joints, power, spring = snapshot
+        return cls(
+            state.r[None],
+            state.q[None],
+            state.twist[None],
+            [state.multiplier],
+            strain[None],
+            rate[None],
+            force[None],
+            reaction[None],
+            np.array([kinetic]),
+            np.array([elastic]),
+            None if joints is None else JointState(*(field[None] for field in joints)),
+            None if power is None else power[None],
+            None if spring is None else spring[None],
+        )
+
+    @classmethod
+    def joined(cls, pieces: Sequence[Snapshots]) -> Snapshots:
+        """Return all states of some series in arrays of their own; what one of them lacks none has."""
+
+        def join(parts: list[Any]) -> Any:
+            if any(part is None for part in parts):
+                return None
+            if isinstance(parts[0], JointState):
+                return JointState(*(np.concatenate(fields) for fields in zip(*parts, strict=True)))
+            if isinstance(parts[0], list):
+                return [item for part in parts for item in part]
+            return np.concatenate(parts)
+
+        return cls(**{name: join([getattr(piece, name) for piece in pieces]) for name in cls._fields})
+
+    @property
+    def instants(self) -> int:
+        """Their number."""
+        return len(self.r)
+
+    def at(self, k: int) -> Snapshot:
+        """Return the one at instant ``k``, of parts of the arrays."""
+        joints, power, spring = self.joints, self.branch_power, self.branch_strain
+        return Snapshot(
+            State(self.r[k], self.q[k], self.twist[k], self.multiplier[k]),
+            self.strain[k],
+            self.strain_rate[k],
+            self.section_force[k],
+            self.reaction[k],
+            float(self.kinetic[k]),
+            float(self.elastic[k]),
+            None if joints is None else JointState(*(field[k] for field in joints)),
+            None if power is None else power[k],
+            None if spring is None else spring[k],
+        )
+
+    def each(self) -> list[Snapshot]:
+        """Return all of them by themselves."""
+        return [self.at(k) for k in range(self.instants)]
+
+    def first(self, count: int) -> Snapshots:
+        """Return the first ``count`` of them."""
+        joints = self.joints
+        cut: dict[str, Any] = {
+            name: None if values is None else values[:count] for name, values in self._asdict().items()
+        }
+        if joints is not None:
+            cut["joints"] = JointState(*(values[:count] for values in joints))
+        return type(self)(**cut)
+
+
+class Records(NamedTuple):
+    """Consecutive records: states, and energies or what they follow from, at one place or several of a step."""
+
+    states: Snapshots
+    energy: EnergyAccount | EnergiesWithin
+
+    def first(self, count: int) -> Records:
+        """Return the first ``count`` of them."""
+        energy = self.energy
+        if isinstance(energy, EnergiesWithin):
+            step = StepShare._make(values[:count] for values in energy.step)
+            energy = energy._replace(parts=energy.parts[:count], kinetic=energy.kinetic[:count], step=step)
+        return Records(self.states.first(count), energy)
+
+
 @dataclass
 class History:
-    """Recorded states, one list entry each; instants are times [s] or load factors."""
+    """Recorded states; instants are times [s] or load factors.
+
+    Attributes:
+        records: pieces of one or more states, whose arrays they keep.
+        instant, step_size, iterations: one entry per state.
+        unstable: negative eigenvalues of the points of a path.
+        start: the state at 0, if it was recorded here.
+    """
 
     instant: list[float] = field(default_factory=list)
-    snapshots: list[Snapshot] = field(default_factory=list)
-    energy: list[tuple[float, float, float, float, float, float, float]] = field(default_factory=list)
+    records: list[Records] = field(default_factory=list)
     step_size: list[float] = field(default_factory=list)
     iterations: list[int] = field(default_factory=list)
-    branches: list[Floats] = field(default_factory=list)  # energy lost by each Maxwell branch so far
-    unstable: list[int] = field(default_factory=list)  # negative eigenvalues of the points of a path
+    unstable: list[int] = field(default_factory=list)
     start: Snapshot | None = None
-    """The state at 0, if it was recorded here."""
-    last: tuple[float, Snapshot] | None = None
-    """The last instant and state that were recorded here."""
 
     @property
     def count(self) -> int:
         """States recorded so far."""
         return len(self.instant)
 
+    @property
+    def snapshots(self) -> list[Snapshot]:
+        """The states that are here, each by itself."""
+        return [snapshot for piece in self.records for snapshot in piece.states.each()]
+
     def record(
         self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
     ) -> None:
         """Append a snapshot and the energy account at an instant."""
-        if instant == 0.0:
-            self.start = snapshot
-        self.snapshots.append(snapshot)
-        self.energy.append(
-            (
-                account.kinetic,
-                account.elastic,
-                account.viscous,
-                account.external,
-                account.numerical,
-                account.outside,
-                account.actuator,
-            )
-        )
-        self.branches.append(account.branches)
-        self.step_size.append(step_size)
-        self.iterations.append(iterations)
-        self.last = instant, snapshot
-        self.instant.append(instant)  # at the end, which makes it count
+        self.extend([instant], Records(Snapshots.of(snapshot), account.copy()), step_size, iterations)
+
+    def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
+        """Append states within one step, or at its end, at their instants."""
+        if instants[0] == 0.0:
+            self.start = records.states.at(0)
+        self.records.append(records)
+        self.step_size += [step_size] * len(instants)
+        self.iterations += [iterations] * len(instants)
+        self.instant += instants  # at the end, which makes them count
+
+    def states(self) -> Snapshots:
+        """Return all states, in arrays of their own."""
+        return Snapshots.joined([piece.states for piece in self.records])
+
+    def energies(self) -> tuple[Floats, Floats]:
+        """Return the energies ``(k, 7)``, as in :attr:`EnergyAccount.recorded`, and losses of branches ``(k, n)``."""
+        pieces = [piece.energy for piece in self.records]
+        inside = [piece for piece in pieces if isinstance(piece, EnergiesWithin)]
+        energy, branches, done = np.empty((len(self.instant), 7)), [], 0
+        within, taken = EnergiesWithin.rows(inside) if inside else np.empty((0, 7)), 0
+        for piece in pieces:
+            if isinstance(piece, EnergiesWithin):
+                count = len(piece.parts)
+                energy[done : done + count] = within[taken : taken + count]
+                branches.append(piece.before.branches + piece.step.branches)
+                taken += count
+            else:
+                count = 1
+                energy[done] = piece.recorded
+                branches.append(piece.branches[None])
+            done += count
+        return energy, np.concatenate(branches)
 
     def truncate(self, count: int) -> None:
         """Keep the first ``count`` records only."""
-        for values in (
-            self.instant,
-            self.snapshots,
-            self.energy,
-            self.branches,
-            self.step_size,
-            self.iterations,
-        ):
+        for values in (self.instant, self.step_size, self.iterations):
             del values[count:]
+        kept: list[Records] = []
+        for piece in self.records:
+            left = count - sum(one.states.instants for one in kept)
+            if left <= 0:
+                break
+            cut = left < piece.states.instants
+            kept.append(piece.first(left) if cut else piece)
+        self.records = kept
 
     def sample(self, most: int) -> list[tuple[float, Snapshot]]:
         """Return at most about so many of the recorded states, evenly, each with its instant."""
-        count = len(self.snapshots)
+        snapshots = self.snapshots
+        count = len(snapshots)
         chosen = np.unique(np.linspace(0, count - 1, min(count, most)).round().astype(int))
-        return [(self.instant[k], self.snapshots[k]) for k in chosen]
+        return [(self.instant[k], snapshots[k]) for k in chosen]

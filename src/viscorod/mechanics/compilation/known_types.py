@@ -41,6 +41,11 @@ class KnownTypes:
             self._code = self._machine_code(arguments)
         return self._code(*arguments)
 
+    def take_over(self, other: KnownTypes) -> None:
+        """Use the machine code of another call of the same kernel with arguments of the same types, if it is known."""
+        if self._code is None and self._kernel is other._kernel:
+            self._code = other._code
+
     def _machine_code(self, arguments: tuple[Any, ...]) -> Code:
         key = self._kernel, _kinds(arguments)
         found = self._found.get(key)

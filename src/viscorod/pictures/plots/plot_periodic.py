@@ -50,10 +50,33 @@ def draw_periodic(result: Periodic, kind: str = "amplitude") -> Figure:
     """
     if kind not in KINDS:
         raise InputError(f"kind = {kind!r}: periodic motions are drawn as one of {', '.join(KINDS)}")
-    drawn = {"amplitude": _amplitude, "multipliers": _multipliers, "loops": _loops}[kind](result)
+    free = result.data.attrs.get("over") == "amplitude"
+    drawn = {"amplitude": _backbone if free else _amplitude, "multipliers": _multipliers, "loops": _loops}[
+        kind
+    ](result)
     if result.title:
         drawn.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     return drawn
+
+
+def _backbone(result: Periodic) -> Figure:
+    """Draw frequency and damping ratio of free vibrations over the amplitude."""
+    picture = figure(8.0, 6.4)
+    picture.subplots_adjust(top=0.86 if result.title else 0.94, hspace=0.42)
+    size, unit = result.amplitude(0), str(result.data["output_unit"].values[0])
+    upper, lower = picture.add_subplot(2, 1, 1), picture.add_subplot(2, 1, 2)
+    upper.plot(size, result.frequencies, color=BLUE, linewidth=1.6)
+    upper.ticklabel_format(axis="y", useOffset=False)
+    lower.plot(size, result.damping_ratios, color=RED, linewidth=1.6, label="of the vibration")
+    if len(size) > 2 and result.loss.all():
+        shown = result.decrement_ratios(0)
+        lower.plot(size, shown, color=GREEN, linewidth=1.6, label=f"by the decrement of {result.outputs[0]}")
+    clean(upper, "", "frequency [Hz]")
+    clean(lower, f"amplitude of {result.outputs[0]} [{unit}]", "damping ratio")
+    lower.set_ylim(0.0, 1.12 * float(result.damping_ratios.max()) or 1.0)
+    legend_above(lower, 2)
+    heading(upper, "free vibrations over their amplitude")
+    return picture
 
 
 def _along(result: Periodic) -> tuple[Floats, str]:

@@ -14,7 +14,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint, mended
-from viscorod.solve.history import EnergyAccount, History, Snapshot
+from viscorod.solve.history import History, Records, Snapshot
 from viscorod.solve.transient.pose_check import MOST
 from viscorod.whole_files import why_not
 
@@ -74,19 +74,24 @@ class Stream(History):
         """States recorded so far."""
         return self._gone + len(self.instant)
 
-    def record(
-        self, instant: float, snapshot: Snapshot, account: EnergyAccount, step_size: float, iterations: int
-    ) -> None:
+    def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
         """See :class:`~viscorod.solve.history.History`."""
+        states = records.states
         if not self.count:
-            self._most = max(1, min(MANY, int(MUCH // _size(snapshot))))
-        if len(self.instant) >= self._most:
+            self._most = max(1, min(MANY, int(MUCH // _size(states.at(0)))))
+        if self.instant and len(self.instant) + len(instants) > self._most:
             self.flush()
-        super().record(instant, snapshot, account, step_size, iterations)
-        if self.sampled and self.count % self._stride == 0:
-            self._samples.append((instant, _own(snapshot)))
-            if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
-                self._samples, self._stride = self._samples[::2], 2 * self._stride
+        super().extend(instants, records, step_size, iterations)
+        if self.sampled:
+            first = self.count - len(instants) + 1
+            for k, instant in enumerate(instants):
+                if (first + k) % self._stride == 0:
+                    self._sample(instant, states.at(k))
+
+    def _sample(self, instant: float, snapshot: Snapshot) -> None:
+        self._samples.append((instant, _own(snapshot)))
+        if len(self._samples) >= 2 * MOST:  # half as many, twice as far apart
+            self._samples, self._stride = self._samples[::2], 2 * self._stride
 
     def sample(self, most: int) -> list[tuple[float, Snapshot]]:
         """See :class:`~viscorod.solve.history.History`: if ``sampled``; of a run that went on, those since then."""
@@ -102,7 +107,7 @@ class Stream(History):
         self.sink.count = self._gone
         self.sink.append(data)
         # all at once: an interrupt comes before that or after it
-        fresh = vars(History(start=self.start, last=self.last))
+        fresh = vars(History(start=self.start))
         vars(self).update(fresh, _gone=self._gone + count, _signs=signs)
 
     def contents(self) -> xr.Dataset:

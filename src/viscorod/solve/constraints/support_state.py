@@ -14,6 +14,10 @@ from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
+CONSTANT = frozenset({"_directions_now", "complete", "partial", "q0", "r0"})
+STILL = frozenset({"acceleration", "rate", "target", "twist", "twist_rate"})
+"""What never changes, and what else does not where no support moves: motions that go on need none of it."""
+
 
 class SupportState:
     """Targets of all supports at one time, and the operations that impose them on a state."""
@@ -40,6 +44,11 @@ class SupportState:
         )
         self.twist: Floats = np.zeros((len(self.complete), 6))
         self.twist_rate: Floats = np.zeros((len(self.complete), 6))
+
+    @property
+    def unsaved(self) -> frozenset[str]:
+        """What ``saved_state`` leaves out."""
+        return CONSTANT if self.moving else CONSTANT | STILL
 
     def update(self, t: float, before: bool = False, scale: float = 1.0) -> None:
         """Evaluate all prescribed motions; in a stage of statics between what they are at its start and at its end."""

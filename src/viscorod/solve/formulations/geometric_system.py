@@ -35,6 +35,11 @@ from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
+SCRATCH = frozenset(
+    ("_columns", "_no_blocks", "_no_columns", "_no_map", "_places", "_unstressed", "external", "internal")
+)
+"""What is computed anew or never changes: motions that go on need none of it."""
+
 
 class GeometricSystem:
     """Assembles the geometric element of model.md section 4 for a whole problem.
@@ -77,6 +82,11 @@ class GeometricSystem:
         self.relaxation: DashpotMemory | None = None
         if problem.relaxing:
             self.relaxation = DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))
+
+    @property
+    def unsaved(self) -> frozenset[str]:
+        """What ``saved_state`` leaves out."""
+        return SCRATCH if self.problem.constrained else SCRATCH | {"constraints"}
 
     def assemble(
         self,

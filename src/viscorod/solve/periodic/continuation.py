@@ -20,7 +20,7 @@ from viscorod.solve.periodic.orbit_matrix import OrbitMatrix
 from viscorod.solve.periodic.orbit_solver import OrbitSolver, Solved, orbit_size
 from viscorod.typing import Floats
 
-__all__ = ["Continuation", "OrbitPoint", "Parameter"]
+__all__ = ["UNSTABLE", "Continuation", "OrbitPoint", "Parameter"]
 
 PART = 0.2
 """Of the range of the parameter that counts as much as the orbit changing by its own size."""

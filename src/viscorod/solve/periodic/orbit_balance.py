@@ -69,7 +69,8 @@ class Motion:
         targets: of supports ``(N, m, 6)``; reaction: along their axes ``(N, m, 6)``.
         spring: strains of the springs of Maxwell branches ``(branches, N, e, points, 6)``.
         gaps: targets and rates of joints ``(N, c)``; powers: of motors, lost by dampers, lost outside ``(3, N)`` [W].
-        drive: power of all loads ``(N,)`` [W].
+        drive: power of all loads ``(N,)`` [W]; size: of the largest internal or inertial force, times the length [N m].
+        frozen: stresses of their own that it was computed with.
     """
 
     setting: Setting
@@ -86,6 +87,8 @@ class Motion:
     spring: Floats
     powers: Floats
     drive: Floats
+    size: float
+    frozen: Frozen | None
 
 
 class Frozen(NamedTuple):
@@ -123,14 +126,16 @@ class OrbitBalance:
     """Balances a model over a period.
 
     Args:
-        system: the model; base: where it rests under its constant loads, those just before t = 0.
-        drive: what moves it; fourier: the phases.
+        system: the model; base: where it rests under its loads at t = 0, which stay.
+        drive: what moves it; fourier: the phases; before: the loads are those just before t = 0, else just after.
 
     Raises:
         InputError: it has parts that periodic motions do not know.
     """
 
-    def __init__(self, system: System, base: State, drive: Drive, fourier: Fourier) -> None:
+    def __init__(
+        self, system: System, base: State, drive: Drive, fourier: Fourier, *, before: bool = True
+    ) -> None:
         _require_known(system)
         assert isinstance(system, GeometricSystem)
         self.problem = problem = system.problem
@@ -141,9 +146,10 @@ class OrbitBalance:
         self.body = Discretisation.of(problem, self.elements, self.supports)
         self.loads = ExternalLoads(problem)
         constraints = self.system.constraints
-        constraints.update(0.0, True)
-        self.supports.update(0.0, True)
-        self.system.impose_rest(Imposed(1.0, 0.0, True))
+        self._before = before
+        constraints.update(0.0, before)
+        self.supports.update(0.0, before)
+        self.system.impose_rest(Imposed(1.0, 0.0, before))
         self._still_targets = self.supports.target.copy()
         self._joint_targets = constraints.target.copy()
         self._work = ElementWork.of(self.elements.nodes.shape[1] - 1)
@@ -226,7 +232,7 @@ class OrbitBalance:
         states = [State(r[i], q[i], twist[i], orbit.multiplier[i].copy()) for i in range(count)]
         internal, spring = self._internal(r, q, twist, orbit.multiplier, omega, frozen)
         powers, gaps = np.zeros((3, count)), np.zeros((count, len(self.scale)))
-        force = internal
+        force, size = internal, self._largest(internal)
         drive = np.zeros(count)
         constraints = self.system.constraints
         for i, load in enumerate(self._loads(omega, setting.level)):
@@ -242,7 +248,9 @@ class OrbitBalance:
             drive[i] = float(np.vdot(external, twist[i])) + powers[2, i]
             force[i] -= external
         momentum = np.einsum("kij,pkj->pki", body.mass, twist)
-        force += np.einsum("kij,pkj->pki", body.mass, acceleration) - setting.lack * momentum
+        inertia = np.einsum("kij,pkj->pki", body.mass, acceleration) - setting.lack * momentum
+        size = max(size, self._largest(inertia))
+        force += inertia
         for i in range(count):
             add_coriolis(body.mass, twist[i], force[i])
         scaled = (self.scale * gaps).reshape(count, -1, 6)
@@ -271,6 +279,8 @@ class OrbitBalance:
             spring,
             powers,
             drive,
+            size,
+            frozen,
         )
 
     def linearised(self, motion: Motion) -> Linearised:
@@ -420,11 +430,16 @@ class OrbitBalance:
                 for size in (0.0, 1.0):
                     external = np.zeros((problem.size, 6))
                     given = {int(number): size}
-                    load = self.loads.at(0.0, True, given=self._others(given))
+                    load = self.loads.at(0.0, self._before, given=self._others(given))
                     load.add(problem, (state.r, state.q), state.twist, external)
                     pair.append(float(np.vdot(external, state.twist)))
                 found[i, k] = pair[1] - pair[0]
         return found
+
+    def _largest(self, force: Floats) -> float:
+        """Return the largest force times the length, or moment, of ``(N, n, 6)``."""
+        parts = np.abs(force[..., :3]).max(initial=0.0), np.abs(force[..., 3:]).max(initial=0.0)
+        return max(float(parts[0]) * self.problem.length, float(parts[1]))
 
     def _others(self, given: dict[int, float]) -> dict[int, float]:
         return {int(k): 0.0 for k in self.drive.loads if k >= 0} | given
@@ -440,7 +455,7 @@ class OrbitBalance:
         found = []
         for row in factors:
             given = {int(k): float(f) for k, f in zip(self.drive.loads, row, strict=True) if k >= 0}
-            found.append(self.loads.at(0.0, True, given=given))
+            found.append(self.loads.at(0.0, self._before, given=given))
         self._known = factors, found
         return found
 

@@ -105,8 +105,9 @@ class OrbitMatrix:
         return np.asarray(flat * self._scales)
 
     def others(self, residual: Floats) -> Floats:
-        """Return the size of a residual in the motions that are not solved for, and in those that are ``(2,)``."""
-        size = np.abs(residual).max(axis=0) * self.unit
+        """Return the largest entries of a residual in motions that are not solved for, and that are ``(2,)`` [N m]."""
+        size = np.abs(residual).max(axis=0)
+        size[:, :3] *= self.balance.problem.length
         mine = np.zeros(size.size, dtype=bool)
         mine[self.motions] = True
         flat = np.where(free_motions(self.balance), size.ravel(), 0.0)

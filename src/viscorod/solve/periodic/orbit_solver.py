@@ -15,6 +15,10 @@ __all__ = ["Jacobian", "OrbitSolver", "Solved", "orbit_size"]
 
 CONVERGED = 1e-7
 """Size of the last change over that of the orbit."""
+BALANCED = 1e-7
+"""Largest force that is left unbalanced, over the largest internal or inertial one."""
+ROUND_OFF = 1e-11
+"""Size of a change over that of the orbit that no further correction would make smaller."""
 SMALLEST = 1e-14
 """Size of a change (over the length, or rad) that is round-off."""
 ITERATIONS = 24
@@ -90,7 +94,8 @@ class OrbitSolver:
         """
         balance = self.balance
         if fresh or self.jacobian is None or not _same(rows, self.rows):
-            self.linearise(orbit, balance.moved(orbit, setting), rows)
+            known = None if stress is None or self.jacobian is None else Frozen(stress, self.jacobian.linear)
+            self.linearise(orbit, balance.moved(orbit, setting, known), rows)
         renewed, last, floor = fresh, 0.0, orbit_size(balance, orbit)
         for iteration in range(1, ITERATIONS + 1):
             assert self.jacobian is not None
@@ -111,15 +116,16 @@ class OrbitSolver:
             if not setting.omega > 0.0 or np.abs(orbit.X[..., 3:]).max() > TURNED:
                 return None
             whole = orbit_size(balance, orbit)
-            small = np.abs(parameters) <= 1e-8 * np.array([abs(getattr(setting, u)) for u in self.unknown])
+            scales = [abs(getattr(setting, u)) + 1e-3 * setting.omega * (u == "lack") for u in self.unknown]
+            small = np.abs(parameters) <= 1e-8 * np.array(scales)
             if size <= CONVERGED * whole + SMALLEST and small.all():
                 motion = balance.moved(orbit, setting)
                 beside, among = matrix.others(motion.residual)
-                if beside <= max(1e-6 * among, 1e-9 * float(np.abs(motion.force).max())) or renewed:
+                if beside > BALANCED * motion.size and not renewed:  # motions that were not driven before
+                    self.linearise(orbit, motion, rows)
+                    renewed = True
+                elif among <= BALANCED * motion.size or size <= ROUND_OFF * whole + SMALLEST:
                     return Solved(orbit, motion, iteration)
-                self.linearise(orbit, motion, rows)
-                renewed = True
-                continue
             if last > 0.0 and size > SLOW * last and iteration > 2:
                 self.linearise(orbit, balance.moved(orbit, setting, Frozen(stress, linear)), rows)
                 size = 0.0
@@ -134,7 +140,7 @@ class OrbitSolver:
         groups = coupled_motions(balance, setting.omega, linear, whole)
         columns = [self._slope(orbit, motion, name) for name in self.unknown]
         more = setting._replace(level=setting.level + 1.0)  # in a step without round-off
-        forces = self.balance.moved(orbit, more).residual - motion.residual
+        forces = self.balance.moved(orbit, more, motion.frozen).residual - motion.residual
         driven = driven_motions(balance, groups, forces, orbit)
         matrix = OrbitMatrix(balance, setting.omega, linear, whole, driven)
         wide = np.column_stack([matrix.right(column) for column in columns]) if columns else None
@@ -151,8 +157,10 @@ class OrbitSolver:
         """Return the derivative of the balance by a parameter, by differences."""
         setting = motion.setting
         value = getattr(setting, name)
-        step = 1e-6 * (abs(value) or (setting.omega if name == "lack" else 1.0))
-        other = self.balance.moved(orbit, setting._replace(**{name: value + step}))
+        step = (
+            setting.omega if name == "lack" else 1e-6 * abs(value)
+        )  # the balance is linear in what is lacking
+        other = self.balance.moved(orbit, setting._replace(**{name: value + step}), motion.frozen)
         return np.asarray((other.residual - motion.residual) / step)
 
 

@@ -95,10 +95,10 @@ class MeshWatch:
         chosen = {int(k) for k in np.linspace(0, last, INSTANTS).round()} - {0}
         chosen |= {int(np.argmax(np.abs(history.instant)))}
 
+        snapshots = history.snapshots
+
         def estimated(k: int) -> bool:
-            return self._estimate(
-                history.snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit)
-            )
+            return self._estimate(snapshots[k], Balance(self.finer, factor=history.instant[k], unit=unit))
 
         for k in sorted(chosen):
             beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)

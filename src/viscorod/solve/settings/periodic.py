@@ -16,13 +16,14 @@ from viscorod.model.fields.values import (
     bounded,
     each,
     numbers,
+    one_of,
     pair,
     positive,
     sequence,
     whole_number,
 )
 from viscorod.solve.settings.mesh import Meshed
-from viscorod.solve.settings.signals import InputsField, LoadInput, OutputsField
+from viscorod.solve.settings.signals import LoadInput, OptionalInputsField, OutputsField
 
 __all__ = ["PeriodicSettings"]
 
@@ -52,18 +53,21 @@ Range = Annotated[tuple[float, float] | None, optional(_range)]
 class PeriodicSettings(Meshed):
     """Which periodic motions are wanted.
 
-    They are followed over `frequencies`, or at one `frequency` over `levels` of all amplitudes.
+    Forced ones are followed over `frequencies`, or at one `frequency` over `levels` of all amplitudes; free vibrations
+    of a `mode` over their amplitude.
     """
 
-    inputs: InputsField = Key(
-        "what drives the model, harmonic in time: as of frequency responses, see there. Loads of the model itself stay "
-        "what they are just before t = 0"
-    )
-    amplitudes: Annotated[tuple[float, ...], _amplitudes] = Key(
-        "of the inputs, plain numbers > 0, each in its SI unit (N, N m, m, rad, m/s, m/s^2, or the factor of a load)"
-    )
     outputs: OutputsField = Key(
         "what is read: as of frequency responses. Displacements and rotations are those from the reference shape"
+    )
+    inputs: OptionalInputsField = Key(
+        "what drives the model, harmonic in time: as of frequency responses, see there. Loads of the model itself stay "
+        "what they are at t = 0",
+        default=None,
+    )
+    amplitudes: Annotated[tuple[float, ...] | None, optional(_amplitudes)] = Key(
+        "of the inputs, plain numbers > 0, each in its SI unit (N, N m, m, rad, m/s, m/s^2, or the factor of a load)",
+        default=None,
     )
     frequencies: Range = Key(
         "where the curve over frequency starts and where it ends, 2 numbers > 0 in either order",
@@ -78,6 +82,19 @@ class PeriodicSettings(Meshed):
     phases: Annotated[Sequence[float] | None, optional(_phases)] = Key(
         "of the inputs, a cos(2 pi f t + phase); 0 unless given", "rad", default=None
     )
+    mode: Annotated[int | None, optional(whole_number(1, 100))] = Key(
+        "in place of inputs: number of the vibration, without damping, the slowest first, whose frequency and damping "
+        "ratio are wanted over the amplitude",
+        default=None,
+    )
+    largest: OptionalPositive = Key(
+        "amplitude of the first output, in its SI unit, up to which free vibrations are followed, from a hundredth on",
+        default=None,
+    )
+    about: Annotated[str, one_of("equilibrium", "released")] = Key(
+        'the loads that stay are those at t = 0- (just before t = 0), "equilibrium", or just after t = 0, "released"',
+        default="equilibrium",
+    )
     harmonics: Annotated[int, whole_number(1, 60)] = Key(
         "of the frequency that motions consist of, beside a constant", default=7
     )
@@ -86,14 +103,40 @@ class PeriodicSettings(Meshed):
     )
     points: Annotated[int, whole_number(2, 20_000)] = Key("motions at most", default=1000)
     stability: Flag = Key(
-        "whether the Floquet multipliers of every motion are computed, which tell whether it is stable",
+        "whether the Floquet multipliers of every forced motion are computed, which tell whether it is stable",
         default=True,
     )
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        count = len(self.inputs)
-        for name, given in (("amplitudes", self.amplitudes), ("phases", self.phases)):
+        if (self.inputs is None) == (self.mode is None):
+            raise RefusedError(
+                "motions are forced by inputs, or are free vibrations of a mode",
+                "give inputs with amplitudes, or mode and largest",
+                found="none" if self.mode is None else "both",
+                at=("inputs",),
+            )
+        return self._forced() if self.mode is None else self._free()
+
+    def _free(self) -> Self:
+        if self.largest is None:
+            raise RefusedError(
+                "free vibrations need the amplitude up to which they are wanted",
+                "give largest, of the first output in its SI unit",
+                at=("largest",),
+            )
+        for name in ("amplitudes", "phases", "frequencies", "frequency", "levels"):
+            if getattr(self, name) is not None:
+                raise RefusedError(
+                    "free vibrations have no inputs", "leave it out, or leave mode out", at=(name,)
+                )
+        return self
+
+    def _forced(self) -> Self:
+        count = len(self.inputs or ())
+        if self.largest is not None:
+            raise RefusedError("this bounds free vibrations of a mode", "leave it out", at=("largest",))
+        for name, given in (("amplitudes", self.amplitudes or ()), ("phases", self.phases)):
             if given is not None and len(given) != count:
                 raise RefusedError(
                     f"{count} inputs have {count} {name}",
@@ -119,9 +162,10 @@ class PeriodicSettings(Meshed):
     def to_dict(self) -> dict[str, Any]:
         """Return the settings as plain data in the words of the case file."""
         plain = super().to_dict()
-        plain["inputs"] = [
-            one.load.to_dict() if isinstance(one, LoadInput) and one.given else one.label
-            for one in self.inputs
-        ]
+        if self.inputs is not None:
+            plain["inputs"] = [
+                one.load.to_dict() if isinstance(one, LoadInput) and one.given else one.label
+                for one in self.inputs
+            ]
         plain["outputs"] = [one.label for one in self.outputs]
         return plain

@@ -11,10 +11,19 @@ from viscorod.model.actions.load_base import AnyLoad
 from viscorod.model.connections.place import place_text
 from viscorod.model.fields.definition import RefusedError, did_you_mean
 from viscorod.model.fields.forms import TEXT, listed, of_kind
-from viscorod.model.fields.metadata import accepts
+from viscorod.model.fields.metadata import accepts, optional
 from viscorod.model.fields.values import each, sequence, word
 
-__all__ = ["BASE", "InputsField", "LoadInput", "MotionInput", "Output", "OutputsField", "SignalInput"]
+__all__ = [
+    "BASE",
+    "InputsField",
+    "LoadInput",
+    "MotionInput",
+    "OptionalInputsField",
+    "Output",
+    "OutputsField",
+    "SignalInput",
+]
 
 BASE = "base"
 """The place of an input that moves all supports together."""
@@ -174,4 +183,5 @@ def _outputs(value: Any) -> tuple[Output, ...]:
 
 
 InputsField = Annotated[tuple[SignalInput, ...], _inputs]
+OptionalInputsField = Annotated[tuple[SignalInput, ...] | None, optional(_inputs)]
 OutputsField = Annotated[tuple[Output, ...], _outputs]

@@ -59,7 +59,7 @@ class CrossingMonitor:
 
     def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
-        inner = [self.quantity(snapshot) for snapshot, _, _ in integrator.between(np.array(PARTS))]
+        inner = [self.quantity(one) for one in integrator.between(np.array(PARTS)).states.each()]
         values = [self._last, *inner, self.quantity(integrator.snapshot())]
         places = [0.0, *PARTS, 1.0]
         self._last = values[-1]
@@ -79,7 +79,7 @@ class CrossingMonitor:
                 return a
             if part == right:
                 return b
-            return self.quantity(integrator.between(np.array([part]))[0][0])
+            return self.quantity(integrator.between(np.array([part])).states.at(0))
 
         return right if b == 0.0 else float(brentq(value, left, right, xtol=ACCURACY))
 
@@ -103,8 +103,8 @@ class LastingMonitor:
     def check_step(self, integrator: Integrator, start: float) -> list[Event]:
         """See :class:`Monitor`."""
         del start
-        snapshots = [snapshot for snapshot, _, _ in integrator.between(np.array(PARTS))]
-        quiet = [self.so(snapshot) for snapshot in [*snapshots, integrator.snapshot()]]
+        inside = integrator.between(np.array(PARTS)).states.each()
+        quiet = [self.so(snapshot) for snapshot in [*inside, integrator.snapshot()]]
         if not all(quiet):
             self._since = None
             return []

@@ -83,7 +83,7 @@ class HalvedSteps:
         self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
         self.unit = np.repeat([problem.length, 1.0], 3)
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
-        self.power = order + 1
+        self.power, self.seen = order + 1, twin.seen_by_halving
         self._start: State | None = None
         self._kept = False
 
@@ -123,7 +123,7 @@ class HalvedSteps:
             return
         self._kept = False
         twin.resume()
-        (middle, *_), *_ = integrator.between(np.array([0.5]))
+        middle = integrator.between(np.array([0.5])).states.at(0)
         within = np.zeros((len(self.mass), 6))
         for at, limit in ((end - 0.5 * h, False), (end, left)):
             twin.begin_half()
@@ -142,7 +142,7 @@ class HalvedSteps:
         self._measure()
         self._take(end, h, before.twist, integrator.state)
         found, better = (at.snapshot().section_force for at in (integrator, twin))
-        trials.apart = np.maximum(trials.apart, _largest(found - better) / twin.seen_by_halving)
+        trials.apart = np.maximum(trials.apart, _largest(found - better) / self.seen)
 
     def _take(self, end: float, h: float, before: Floats, state: State) -> None:
         """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
@@ -150,7 +150,7 @@ class HalvedSteps:
         pose = _away(state, better)
         moving = np.stack([pose, state.twist - better.twist, before, state.twist])
         momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
-        momenta[:2] /= self.twin.seen_by_halving
+        momenta[:2] /= self.seen
         errors, rigid = momenta[:2] @ modes.shapes, momenta @ modes.rigid
         explained = (modes.shapes @ errors[0] + modes.rigid @ rigid[0]).reshape(size, 6)
         errors[1] /= modes.omega
@@ -161,7 +161,7 @@ class HalvedSteps:
         trials.amplitudes.append(np.abs(momenta[2:] @ modes.shapes).max(axis=0) / modes.omega)
         trials.rigid.append(rigid[:2])
         trials.energies.append(np.square(rigid[2:]).sum(axis=1))
-        rest = pose / self.twin.seen_by_halving - explained
+        rest = pose / self.seen - explained
         if np.abs(rest / self.unit).max() > np.abs(trials.rest / self.unit).max():
             trials.rest = rest
 

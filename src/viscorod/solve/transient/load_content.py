@@ -64,8 +64,9 @@ class StepContent:
     @classmethod
     def of(cls, problem: Problem, nodes: Floats, duration: float) -> StepContent | None:
         """Return what looks into the steps, None if there is nothing to look for."""
-        found = cls(problem, nodes, duration)
-        return found if found._records or found._functions or found._motions else None
+        motions = (motion for _, _, motion in problem.supports.motions)
+        seen = any(isinstance(motion, TimeTable | FunctionOfTime) for motion in motions)
+        return cls(problem, nodes, duration) if problem.records or problem.functions or seen else None
 
     def look(self, start: float, end: float) -> None:
         """Look into the step from ``start`` to ``end`` [s]."""

@@ -1,12 +1,14 @@
 """The state of a run as plain data, and back: what a run needs to go on, bit for bit, in another process.
 
-The objects of a run are walked attribute by attribute. What is read back is put into objects that were made anew from
+The objects of a run are walked attribute by attribute, but for those that they name as ``unsaved``: what is computed
+anew before it is read. What is read back is put into objects that were made anew from
 the same model, arrays in place, so that views and compiled code see them. Reading makes objects of the few small
 classes named here and of no other; nothing in a file is ever executed.
 """
 
 from __future__ import annotations
 
+import operator
 from collections import deque
 from functools import cache
 from typing import Any
@@ -14,6 +16,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.internal_force import Elements, ElementWork
@@ -36,11 +39,13 @@ from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
-from viscorod.solve.transient.integrators.record_kernels import Reading
+from viscorod.solve.transient.integrators.record_kernels import Kept, Reading
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,
     StageFactors,
     StageLoads,
+    Stages,
+    StepAccount,
     SupportMotion,
     Work,
 )
@@ -58,7 +63,7 @@ UNCHANGED = (
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
-    ReducedModel, ReducedLoads,
+    ReducedModel, ReducedLoads, Kept, Stages, StepAccount,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 
@@ -124,7 +129,8 @@ def _saved(value: Any, seen: set[int]) -> SavedTree:
     )
     if fields is None:
         return _LEFT_OUT
-    content = {key: _saved(item, seen) for key, item in fields.items()}
+    left: frozenset[str] = getattr(value, "unsaved", frozenset())
+    content = {key: _saved(item, seen) for key, item in fields.items() if key not in left}
     return {
         "kind": "object",
         "type": of.__name__,
@@ -144,7 +150,7 @@ def hand_over(source: Any, target: Any) -> Any:
 
 def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     of: Any = type(source)
-    if of is np.ndarray and source.dtype != object:
+    if of is np.ndarray and source.dtype.char != "O":
         same = type(target) is of and target.shape == source.shape and target.dtype == source.dtype
         if not same or not target.flags.writeable:
             return source.copy()
@@ -154,9 +160,12 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     if kind == "plain":
         return source
     if kind == "left out":
+        if of is KnownTypes:
+            target.take_over(source)
         return target
-    inside = kind == "tuple" or (kind == "object" and hasattr(source, "__dict__"))
-    if not inside or of.__name__ in MADE:
+    if of.__name__ in MADE:
+        return _copied(source)
+    if kind != "tuple" and (kind != "object" or not hasattr(source, "__dict__")):
         tree = _saved(source, seen)
         return target if tree is _LEFT_OUT else _restored(target, tree)
     if id(source) in seen or type(target) is not of:
@@ -164,15 +173,29 @@ def _handed_over(source: Any, target: Any, seen: set[int]) -> Any:
     seen.add(id(source))
     if kind == "tuple":
         items = [_handed_over(old, new, seen) for old, new in zip(source, target, strict=True)]
-        same = all(item is before for item, before in zip(items, target, strict=True))
+        same = all(map(operator.is_, items, target))
         return target if same else target._make(items)
+    left: frozenset[str] = getattr(source, "unsaved", frozenset())
     fields = vars(target)
     for key, item in vars(source).items():
+        if key in left:
+            continue
         old = fields.get(key)
         new = _handed_over(item, old, seen)
         if new is not old:
             fields[key] = new
     return target
+
+
+def _copied(value: Any) -> Any:
+    """Return a copy of an array, of one of the classes that are made, or what never changes itself."""
+    of: Any = type(value)
+    if of is np.ndarray:
+        return value.copy()
+    if of.__name__ not in MADE:
+        return value
+    fields = value if isinstance(value, tuple) else vars(value).values()
+    return of(*map(_copied, fields))
 
 
 def _restored(value: Any, tree: SavedTree) -> Any:

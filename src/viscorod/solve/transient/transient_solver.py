@@ -10,8 +10,9 @@ from functools import cached_property
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, StepShare
+from viscorod.solve.history import History, Records
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
@@ -235,17 +236,17 @@ class Transient:
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
         parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        least = -np.inf
+        least, after = -np.inf, account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
-            lost, outside = integrator.branch_losses(some), integrator.outside_until(some)
-            driven = integrator.actuator_until(some)
-            for number, (between, work, loss) in enumerate(integrator.between(some)):
-                least = max(least, loss)  # interpolation must not give energy back
-                part, at = float(some[number]), times[begin + number]
-                share = StepShare(work, least, float(outside[number]), float(driven[number]))
-                energy = before.between(account, part, between.kinetic, share, lost[number])
-                history.record(at, between, energy, end - t, iterations)
+            states, share = integrator.between(some)
+            loss = share.loss
+            loss[0] = max(loss[0], least)
+            np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
+            least = loss[-1]
+            energy = EnergiesWithin(before, after, some, states.kinetic, share)
+            instants = times[begin : begin + len(some)]
+            history.extend(instants, Records(states, energy), end - t, iterations)
         if len(times) > len(parts):
             history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
 

@@ -18,6 +18,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
@@ -25,7 +26,7 @@ from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
@@ -56,6 +57,10 @@ _OUTCOME = {
     iteration_verdict.DIVERGED: Outcome.DIVERGED,
     iteration_verdict.NOT_FINITE: Outcome.NOT_FINITE,
 }
+
+
+SCRATCH = frozenset({"_ad", "_points", "actions"})
+"""What every step computes anew."""
 
 
 class Collocation:
@@ -136,6 +141,14 @@ class Collocation:
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
 
+    @property
+    def unsaved(self) -> frozenset[str]:
+        """What ``saved_state`` leaves out: where strains follow from poses, the system remembers nothing."""
+        problem, remembers = self.system.problem, self.system.imposed.changes
+        if problem.constrained or problem.relaxing or remembers or self.forces.motion is not None:
+            return SCRATCH
+        return SCRATCH | {"forces", "system"}
+
     # --- the contract
 
     def start(self, t: float, state: State) -> None:
@@ -174,6 +187,7 @@ class Collocation:
         # equal steps differ by the rounding of their ends
         if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
+        self.systems.provide()
         self.predictor.predict(self.state, self._stress, h)
         if self.stage_constraints is not None:
             self.stage_constraints.predict(h)
@@ -258,48 +272,35 @@ class Collocation:
         self.system.constraints.update(self.t, True)  # states between may have been computed
         return self.stage_constraints.with_allowed_velocities(snapshot, self.systems.solve_real)
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        records = self.recorder.between(
+        states, work, loss = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
+        outside = actuator = np.zeros(len(parts))
+        if len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
+            outside = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[2])
+        if len(self.stages.rest):
+            actuator = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[3])
         if self.dashpots is None:
-            return records
+            return Inside(states, StepShare(work, loss, outside, actuator, np.zeros((len(parts), 0))))
         places = self.system.gauss_indices()
         found = self.dashpots.springs_between(parts)
         powers = [self.dashpots.memory.power_of(spring).ravel()[places] for spring in found]
-        springs = at_points(found, places)
-        return [
-            (snapshot._replace(branch_power=power, branch_strain=spring), work, loss)
-            for (snapshot, work, loss), power, spring in zip(records, powers, springs, strict=True)
-        ]
+        states = states._replace(branch_power=np.array(powers), branch_strain=at_points(found, places))
+        lost = self.dashpots.loss_until(parts)
+        return Inside(states, StepShare(work, loss, outside, actuator, lost))
 
     @property
     def branch_loss(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return np.zeros(0) if self.dashpots is None else self.dashpots.loss
 
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros((len(parts), 0)) if self.dashpots is None else self.dashpots.loss_until(parts)
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        if not len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
-            return np.zeros(len(parts))
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        if not len(self.stages.rest):
-            return np.zeros(len(parts))
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self.account.powers[3])
-
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
         self.actions.reset()
         if self._factor_step > 0.0:
-            self.systems.factorise(self.matrices, self._factor_step)
+            self.systems.want(self.matrices, self._factor_step)
 
     def stability(self, z: np.ndarray) -> np.ndarray:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

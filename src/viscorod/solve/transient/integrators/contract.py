@@ -6,8 +6,9 @@ from typing import NamedTuple, Protocol
 
 import numpy as np
 
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
 from viscorod.typing import Floats
 
@@ -50,6 +51,13 @@ class StepReport(NamedTuple):
         return self._replace(iterations=self.iterations + iterations)
 
 
+class Inside(NamedTuple):
+    """States at ``k`` parts of a step, and what happened from its start up to there."""
+
+    states: Snapshots
+    share: StepShare
+
+
 class Integrator(Protocol):
     """A method that advances a :class:`~viscorod.solve.formulations.system.System` in time.
 
@@ -59,17 +67,12 @@ class Integrator(Protocol):
     3. ``accept()`` takes the last attempt, which converged: ``t`` and ``state`` are those at the end of the step.
        ``work`` is the work of loads and supports during the step, ``loss`` the energy that viscosity dissipated,
        ``kinetic`` and ``elastic`` are the energies at ``t``, all in J.
-    4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with work
-       and loss up to there.
+    4. ``snapshot()`` returns all fields at ``t``; ``between(parts)`` returns them at parts of the last step, with what
+       happened up to there.
 
     ``outside`` is the energy that loads dissipated outside of the model during the step, not a part of ``loss``, and
-    ``work`` does not count it as taken from the model; ``outside_until(parts)``, ``(k,)``, is the same up to parts of
-    the step.
-
-    ``actuator`` is the work of what changed rest strains during the step, no part of ``work``; so ``actuator_until``.
-
-    ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated during the step, a part of ``loss``;
-    ``branch_losses(parts)``, ``(k, n)``, is the same up to parts of the step.
+    ``work`` does not count it as taken from the model; ``actuator`` is the work of what changed rest strains, no part
+    of ``work``; ``branch_loss (n,)`` is the energy that each Maxwell branch dissipated, a part of ``loss``.
 
     ``resume()`` computes what is not saved, after everything that is saved has been restored (see ``saved_state``).
 
@@ -136,14 +139,8 @@ class Integrator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return all fields at ``t``."""
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
-        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start."""
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """Return the energy ``(k,)`` [J] that loads dissipated outside in the last step up to ``parts (k,)``."""
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """Return the work ``(k,)`` [J] of what changed rest strains in the last step up to ``parts (k,)``."""
+    def between(self, parts: Floats) -> Inside:
+        """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and what happened up to there."""
 
     def resume(self) -> None:
         """Compute what is not saved."""
@@ -157,6 +154,3 @@ class Integrator(Protocol):
 
     def begin_half(self) -> None:
         """Leave behind what is carried over from steps of another length, and iterate further than in a run."""
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """Return the energy ``(k, n)`` [J] that each branch dissipated in the last step up to ``parts (k,)``."""

@@ -22,12 +22,13 @@ from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
@@ -284,7 +285,7 @@ class GeneralizedAlpha:
         self.drift = self.drift[0], max(self.drift[1], left)
         return found
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """Interpolate within the last step, cubic in the poses, linear in the rest (see ``contract.Integrator``)."""
         (old, before), after, rate = self._start, self._snapshot, self._rate
         split = np.zeros(len(rate))
@@ -298,10 +299,15 @@ class GeneralizedAlpha:
                 gap = close_gaps(constraints, state, self.system.matrix.solve)
                 self.drift = max(self.drift[0], gap), self.drift[1]
             constraints.update(self.t, True)
-        return [
-            (before.blend(after, part, state, self.system), part * self.work, part * self.loss)
+        blended = [
+            Snapshots.of(before.blend(after, part, state, self.system))
             for state, part in zip(states, parts, strict=True)
         ]
+        work, loss, outside, actuator = (
+            parts * one for one in (self.work, self.loss, self.outside, self.actuator)
+        )
+        lost = np.multiply.outer(parts, self.branch_loss)
+        return Inside(Snapshots.joined(blended), StepShare(work, loss, outside, actuator, lost))
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: every iteration factorises."""
@@ -322,14 +328,6 @@ class GeneralizedAlpha:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
         self._fresh = True
 
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
-        return parts * self.outside
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return parts * self.actuator
-
     def _actuator_work(self, began: float) -> float:
         """Return the work [J] of what changed the rest strains since ``began`` [s]: their change times mean forces."""
         imposed = self.system.imposed
@@ -339,10 +337,6 @@ class GeneralizedAlpha:
         change = imposed.driven(self._end, True) - imposed.driven(began)
         mean = 0.5 * (self._snapshot.section_force + self.system.gauss_points().section_force)
         return -float(np.einsum("g,gi,gi", positions.length, mean, change.reshape(-1, 6)[places]))
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: linear in time."""
-        return np.multiply.outer(parts, self.branch_loss)
 
     def _solve(self, t: float, before: bool, relation: Relation, increment: Floats) -> Solution:
         """Solve the balance at time ``t`` for the poses reached by ``increment`` (predicted) from the last state."""

@@ -7,10 +7,11 @@ import scipy.sparse.linalg as spla
 from scipy import sparse
 
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
@@ -236,40 +237,31 @@ class LinearMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: the next step factorises."""
         self._factor_step = 0.0
 
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._branch_powers)
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: no rest strain changes here."""
-        return np.zeros(len(parts))
-
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`.
 
         Displacements are polynomials of degree 5 through both ends, with velocities and accelerations, corrected
         towards the stages if they are many.
         """
-        h, found, loss, tableau = self._step, [], 0.0, self.tableau
-        totals = h * tableau.partial_weights(parts) @ self._powers
+        h, found, tableau = self._step, [], self.tableau
+        until = tableau.partial_weights(parts)
+        totals = h * until @ self._powers
         ends = h, self._before, self._now, self._rates
         missed = [
             self._stages[:, i] - _quintic(float(c), *ends)[:2] for i, c in enumerate(tableau.exact_inside)
         ]
         weights, change = tableau.polynomials(parts), self._dashpots - self._earlier
         dashpots = self._earlier + np.tensordot(weights, change, 1)
-        for part, own, dashpot, (work, lost, _) in zip(parts, weights, dashpots, totals, strict=True):
+        for part, own, dashpot in zip(parts, weights, dashpots, strict=True):
             xi, x, a = _quintic(float(part), *ends)
             for weight, (shift, speed) in zip(own, missed, strict=False):
                 xi, x = xi + weight * shift, x + weight * speed
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
-            loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
-            found.append((self.body.snapshot(xi, x, a, load, dashpot), float(work), loss))
-        return found
+            found.append(Snapshots.of(self.body.snapshot(xi, x, a, load, dashpot)))
+        loss = np.maximum(np.minimum(totals[:, 1], self.loss), 0.0)
+        outside, branches = (h * (until @ powers) for powers in (self._powers[:, 2], self._branch_powers))
+        still = np.zeros(len(parts))  # no rest strain changes here
+        return Inside(Snapshots.joined(found), StepShare(totals[:, 0], loss, outside, still, branches))
 
     @property
     def seen_by_halving(self) -> float:

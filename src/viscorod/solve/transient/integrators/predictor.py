@@ -30,6 +30,8 @@ class Predictor:
             ``(s + 1, e, points, 6)``; written from outside (see ``record_kernels``).
     """
 
+    unsaved = frozenset({"_gap", "_stages_stress", "_stress", "_weights"})
+
     def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
         self.body, self.stages, self.tableau = body, stages, tableau
         s = len(tableau.nodes)

@@ -147,8 +147,8 @@ class StageConstraints:
         parts: Floats,
         times: Floats,
         solve: Callable[[Floats], Floats],
-    ) -> list[JointState]:
-        """Return the joints in ``states``, which are closed.
+    ) -> JointState:
+        """Return the joints in ``states``, which are closed, ``(k, c)``.
 
         Args:
             parts, times: of the last step, and the times [s] of the states.
@@ -165,4 +165,4 @@ class StageConstraints:
             value, rate, _ = constraints.measure(state)
             found.append(constraints.state_of(value, rate, force))
         constraints.between_steps = False
-        return found
+        return JointState(*map(np.array, zip(*found, strict=True)))

@@ -27,6 +27,8 @@ class StageSystems:
         factors: for compiled code, others after every factorisation.
     """
 
+    unsaved = frozenset({"_pair_blocks", "_real_blocks", "_wanted"})
+
     def __init__(
         self,
         body: Discretisation,
@@ -40,6 +42,7 @@ class StageSystems:
         self.real, self.pairs = DirectSolver(plan), StackedSolvers(plan, pairs)
         self._real_blocks = np.zeros((blocks, 6, 6))
         self._pair_blocks = np.zeros((pairs, blocks, 6, 6), dtype=complex)
+        self._wanted: tuple[Matrices, float] | None = None
         self._real_of, self._pair_of = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
         self.factors = StageFactors(
             self.real.factors,
@@ -49,8 +52,18 @@ class StageSystems:
             scales,
         )
 
+    def want(self, matrices: Matrices, h: float) -> None:
+        """Factorise for the step ``h`` [s] as soon as the factors are needed, unless others are before."""
+        self._wanted = matrices, h
+
+    def provide(self) -> None:
+        """Factorise what is wanted."""
+        if self._wanted is not None:
+            self.factorise(*self._wanted)
+
     def factorise(self, matrices: Matrices, h: float) -> bool:
         """Factorise for the step ``h`` [s]; False if a matrix is singular."""
+        self._wanted = None
         rows, pair_rows = self.factors.real_rows, self.factors.pair_rows
         self._combine(self._real_of, matrices, self.tableau.real / h, rows, self._real_blocks)
         for m, pair in enumerate(self.tableau.pairs.tolist()):
@@ -65,6 +78,7 @@ class StageSystems:
 
     def solve_real(self, right: Floats) -> Floats:
         """Return the solution with the real matrix for ``right (N, 6)``."""
+        self.provide()
         x = np.ascontiguousarray(right * self.factors.real_rows.reshape(right.shape))
         self.real.solve(x)
         return np.asarray(x * self.factors.scales.reshape(right.shape))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 
 import numpy as np
 
@@ -10,10 +10,9 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
 from viscorod.mechanics.rotations.quaternion import conjugate, product
-from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
     Kept,
@@ -44,6 +43,8 @@ class StepRecorder:
     """
 
     snapshot: Snapshot
+
+    unsaved = frozenset({"_reactions", "_start", "_start_rate"})
 
     def __init__(
         self,
@@ -116,8 +117,8 @@ class StepRecorder:
         end_rate: Floats,
         powers: Floats,
         whole_loss: float,
-    ) -> list[tuple[Snapshot, float, float]]:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss [J] from its start.
+    ) -> tuple[Snapshots, Floats, Floats]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss ``(k,)`` [J] up to there.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
         towards the stages if they are many; Gauss points and reactions follow the stages.
@@ -150,21 +151,34 @@ class StepRecorder:
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
             found = found.first(count)
-        states = [
-            State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
-        ]
+        states: list[State] = []
+        if held or self.stage_constraints is not None:
+            states = [
+                State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
+            ]
         if held:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
         if corrected:
             self._read_between(parts, *given, False, True, found)
-        kinetic, work, loss = found.energies.tolist()
-        joints: Sequence[JointState | None] = [None] * count
+        joints = None
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
-        points, reaction = found.fields
-        snapshots = map(Snapshot, states, *points, reaction, kinetic, [0.0] * count, joints)
-        return list(zip(snapshots, work, loss, strict=True))
+        (strain, rate, force), (kinetic, work, loss) = found.fields.points, found.energies
+        snapshots = Snapshots(
+            found.r,
+            found.q,
+            found.twist,
+            [new.multiplier] * count,
+            strain,
+            rate,
+            force,
+            found.fields.reactions,
+            kinetic,
+            np.zeros(count),
+            joints,
+        )
+        return snapshots, work, loss
 
 
 def interpolate_states(
