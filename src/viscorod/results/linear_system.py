@@ -40,7 +40,7 @@ class LinearSystem:
     tau_j) K_j``. Matrices are sparse. About a steady rotation all is seen in axes that turn with it.
 
     Attributes:
-        inputs, outputs: their words; input_units, output_units: theirs.
+        inputs: words of the inputs; outputs: of the outputs; input_units, output_units: theirs.
         coordinates: names of ``y``: node and direction; where joints and held strains are eliminated, combinations of
             them (see ``combinations``).
         combinations: of the named motions of nodes ``(motions, coordinates)``; None where each coordinate is one.
