@@ -163,10 +163,10 @@ class Continuation:
             if not low <= new.value <= high:
                 end = self._at_end(point, new, high if new.value > high else low)
                 if end is not None:
-                    yield from self._specials(point, end, length)
+                    yield from self._specials(point, end)
                     yield end
                 return
-            for special in self._specials(point, new, length):
+            for special in self._specials(point, new):
                 count += 1
                 yield special
             count += 1
@@ -267,7 +267,7 @@ class Continuation:
         found = self.solver.solve(orbit, setting, self._fixed, fresh=True)
         return None if found is None else self._point(found, point)
 
-    def _specials(self, point: OrbitPoint, new: OrbitPoint, length: float) -> list[OrbitPoint]:
+    def _specials(self, point: OrbitPoint, new: OrbitPoint) -> list[OrbitPoint]:
         """Return the bifurcations between two points, in order; the solver stands at ``new`` afterwards."""
         kinds: list[tuple[str, Callable[[OrbitPoint], float]]] = []
         if point.tangent[1] * new.tangent[1] < 0.0:
@@ -283,7 +283,6 @@ class Continuation:
         if found:
             self.solver.linearise(new.orbit, new.motion, self._row(point))
             self._last_row = self.solver.rows
-        del length
         return found
 
     def _crossings(

@@ -56,12 +56,3 @@ class Fourier:
         found = np.fft.rfft(values, axis=0) / self.count
         found[1:] *= 2.0
         return np.asarray(found)
-
-    def resampled(self, values: Floats, other: Fourier) -> Floats:
-        """Return the values ``(M, ...)`` at the phases of another number of harmonics; higher ones are zero."""
-        flat = self.at(other.phases) @ values.reshape(len(values), -1)
-        if other.harmonics < self.harmonics:
-            low = self.coefficients(values)[: other.harmonics + 1].reshape(other.harmonics + 1, -1)
-            waves = np.exp(1j * np.outer(other.phases, np.arange(other.harmonics + 1)))
-            flat = (waves @ low).real
-        return np.asarray(flat.reshape(other.count, *values.shape[1:]))

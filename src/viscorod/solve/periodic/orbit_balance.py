@@ -18,6 +18,7 @@ from viscorod.errors import InputError
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, energies, internal_forces
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.inertia import add_coriolis
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.mechanics.nodes.support_rows import Directions
 from viscorod.mechanics.nodes.support_rows import impose as impose_supports
@@ -156,7 +157,6 @@ class OrbitBalance:
         self.scale: Floats = np.ones(len(constraints.gap))
         self.use(fourier)
         if problem.constrained:  # scales of multipliers follow from the stiffness where the model rests
-            self.scale = np.ones_like(self.scale)
             self.linearised(self.moved(self.resting(), Setting(1.0, 0.0)))
             self.scale = constraints.scale.copy()
 
@@ -315,8 +315,6 @@ class OrbitBalance:
                 rows = into_rows.reshape(-1, 6)
                 K[i] *= rows[pattern.columns][:, :, None] * rows[pattern.rows][:, None, :]
             if not load.none or load.sees_motion:
-                from viscorod.mechanics.nodes.motion_loads import MotionTangent
-
                 into = MotionTangent(still, K[i], C[i], pattern.diagonal)
                 load.add(problem, (state.r, state.q), state.twist, np.zeros((n, 6)), into)
             if body.partly:
