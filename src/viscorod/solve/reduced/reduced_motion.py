@@ -5,14 +5,15 @@ from __future__ import annotations
 import numpy as np
 import scipy.linalg
 
+from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.reduced.root_poses import stage_poses, unit
 from viscorod.solve.reduced.sizes import distance, largest
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
@@ -256,7 +257,7 @@ class ReducedMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self.model.snapshot(self.state, self._y, self._rate, self._external)
 
-    def between(self, parts: Floats) -> list[tuple[Snapshot, float, float]]:
+    def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: cubic between both ends."""
         h, model, s = self._step, self.model, parts[:, None]
         totals = h * self.tableau.partial_weights(parts) @ self._powers
@@ -266,26 +267,14 @@ class ReducedMotion:
         rate = (first + s * (2.0 * b + s * 3.0 * c)) / h
         weights = self.tableau.polynomials(parts)
         roots = self._root_before + np.tensordot(weights, self._roots - self._root_before, 1)
-        found, loss = [], 0.0
+        found = []
         for k, state in enumerate(self._states(y, unit(roots))):
             t = self.t - (1.0 - float(parts[k])) * h
             _, external, _ = self._forces(t, state, before=False)
-            work, lost, _ = totals[k]
-            loss = max(loss, min(float(lost), self.loss))  # interpolation must not give energy back
-            found.append((model.snapshot(state, y[k], rate[k], external), float(work), loss))
-        return found
-
-    def outside_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return self._step * np.asarray(self.tableau.partial_weights(parts) @ self._powers[:, 2])
-
-    def actuator_until(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: no rest strain changes here."""
-        return np.zeros(len(parts))
-
-    def branch_losses(self, parts: Floats) -> Floats:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: there are no branches."""
-        return np.zeros((len(parts), 0))
+            found.append(Snapshots.of(model.snapshot(state, y[k], rate[k], external)))
+        loss = np.maximum(np.minimum(totals[:, 1], self.loss), 0.0)
+        still, branches = np.zeros(len(parts)), np.zeros((len(parts), 0))  # no rest strain changes here
+        return Inside(Snapshots.joined(found), StepShare(totals[:, 0], loss, totals[:, 2], still, branches))
 
     def watch(self, duration: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: rows of records are corners."""
