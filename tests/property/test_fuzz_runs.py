@@ -21,7 +21,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.casefile.case import case_from_dict
 from viscorod.errors import InputError, SolveError
 
-EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 2
+EXAMPLES = settings.default.max_examples if settings.default.max_examples > 1000 else 1
 LIMIT = 300
 """Seconds of processor time for one example, which takes a twentieth unless kernels are compiled for it."""
 ANALYSES = {"equilibrium": {}, "path": {"points": 6}, "steady": {"spin": [0.0, 0.0, 4.0]}}

@@ -237,6 +237,31 @@ def test_maxwell_branches_turn_with_a_shaft():
     assert limit.at == pytest.approx(w, rel=1e-5)  # damping that turns: unstable beyond the critical speed
 
 
+def test_a_free_rod_that_spins():
+    """That it drifts, at the spin itself as seen on it, is no vibration; both whirls are the free bending, split."""
+    section = vr.StiffnessSection([1.0] * 6, [1, 1, 1, 1e-5, 1e-5, 2e-5])
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2, order=4, constraints="kirchhoff")
+    model.add("rod", rod)
+    found = model.campbell((1, 0, 0), speeds=[1.0, 30.0, 50.0], modes=3, frame="space")
+    assert [one.speed for one in found.critical_speeds] == pytest.approx([22.3733] * 2, rel=2e-3)
+    assert not found.limits
+    assert not found.warnings
+    assert 2.0 * np.pi * found.frequencies[:, 1:].mean(axis=1) == pytest.approx([22.3733] * 3, rel=2e-3)
+
+
+def test_the_modes_are_those_of_the_steady_rotation():
+    """A blade with a swept tip: roots of both analyses, which are found in different ways."""
+    from viscorod.casefile.case import load_case
+    from viscorod.casefile.shipped import shipped_case
+
+    model = load_case(shipped_case("swept_blade")).model(vr.Model)
+    found = model.campbell((0, 0, 1), speeds=[30.0, 60.0], modes=6)
+    for speed, roots in zip(found.speeds, found.eigenvalues, strict=True):
+        steady = model.steady(spin=(0, 0, speed), modes=6).eigenvalues
+        assert np.sort(np.abs(roots)) == pytest.approx(np.sort(np.abs(steady)), rel=1e-7)
+
+
 def test_what_a_diagram_refuses():
     with pytest.raises(vr.InputError, match="goes round the axis both ways"):
         blade().campbell((0, 0, 1), band=(1.0, 4.0), count=3, modes=2, frame="space")

@@ -9,8 +9,9 @@ from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.growing_loads import begin_growing, move
 from viscorod.errors import SolveError
 from viscorod.results.buckling import Buckling
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import EnergyAccount, History, Snapshot, StationReader
+from viscorod.solve.history import History, Snapshot, StationReader
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies

@@ -22,6 +22,8 @@ __all__ = ["common_variables", "names_of", "on_fine_mesh"]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
+STILL = 1e-6
+"""Part of the median of the roots below which one is that of a motion at rest."""
 SAME = 1e-6
 """Distance of two roots, as a part of them, within which they are one."""
 GAIN = 0.7
@@ -70,8 +72,9 @@ def _stray(samples: list[Sample]) -> float | None:
     """Return the first value of the parameter at which a motion grows that is not followed; None without."""
     for sample in samples:
         known = np.concatenate([sample.roots, sample.roots.conj()])
+        still = STILL * float(np.median(np.abs(sample.roots)))
         for s in sample.spectrum.roots:
-            if grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
+            if abs(s) > still and grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
                 return sample.parameter
     return None
 

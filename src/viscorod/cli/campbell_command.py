@@ -8,6 +8,7 @@ import typer
 
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
@@ -32,7 +33,8 @@ def campbell(case: CaseFile, output: ResultFolder = None) -> None:
                 )
             )
         folder = writable(output or Path("out") / case.stem)
-        result = run_case(loaded, discretised_case(loaded))
+        with polite_stop() as stop:
+            result = run_case(loaded, discretised_case(loaded), stop=stop)
         assert isinstance(result, Campbell)
         written = [
             result.save(folder / "campbell.nc"),

@@ -260,7 +260,7 @@ class ReducedMotion:
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: cubic between both ends."""
         h, model, s = self._step, self.model, parts[:, None]
-        totals = h * self.tableau.partial_weights(parts) @ self._powers
+        work, loss, outside = (h * self.tableau.partial_weights(parts) @ self._powers).T
         gap, first, last = self._y - self._before, h * self._rate_before, h * self._rate
         b, c = 3.0 * gap - 2.0 * first - last, first + last - 2.0 * gap
         y = self._before + s * (first + s * (b + s * c))
@@ -272,9 +272,11 @@ class ReducedMotion:
             t = self.t - (1.0 - float(parts[k])) * h
             _, external, _ = self._forces(t, state, before=False)
             found.append(Snapshots.of(model.snapshot(state, y[k], rate[k], external)))
-        loss = np.maximum(np.minimum(totals[:, 1], self.loss), 0.0)
-        still, branches = np.zeros(len(parts)), np.zeros((len(parts), 0))  # no rest strain changes here
-        return Inside(Snapshots.joined(found), StepShare(totals[:, 0], loss, totals[:, 2], still, branches))
+        # interpolation must not give energy back
+        loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))
+        none = np.zeros((len(parts), 0))  # no rest strain changes here, and there are no branches
+        share = StepShare(work, loss, outside, np.zeros(len(parts)), none)
+        return Inside(Snapshots.joined(found), share)
 
     def watch(self, duration: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: rows of records are corners."""

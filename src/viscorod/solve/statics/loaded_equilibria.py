@@ -62,6 +62,10 @@ class LoadedEquilibria:
         times = tuple(float(tau) for tau in found.times)
         return MovingPencil(quadratic, sparse.csr_array(linear.basis), found.branches, times)
 
+    def idle(self, _: float, roots: np.ndarray) -> np.ndarray:
+        """Return none of the roots."""
+        return np.zeros(len(roots), dtype=bool)
+
     def principal(self, _: float, shapes: np.ndarray) -> np.ndarray:
         """Return the shapes themselves: any combination of those with one root is as good."""
         return shapes

@@ -19,7 +19,7 @@ from viscorod.solve.steady.continuation import LARGEST_GAP, TOLERANCE, continue_
 from viscorod.solve.steady.rotation_search import Search
 from viscorod.solve.steady.slow_motions import QuadraticPencil
 from viscorod.solve.steady.stability import SecondOrder
-from viscorod.solve.steady.steady_checks import no_loads
+from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.whirl import Rounds, pure, rounds
 from viscorod.solve.tracking.moving_pencil import MovingPencil
 from viscorod.typing import Floats
@@ -28,6 +28,8 @@ __all__ = ["AT_REST", "DrivenRotations"]
 
 AT_REST = 1e-9
 """Part of the highest speed that stands for none: its inertial forces are 1e-18 of those there."""
+IDLE = 1e-7
+"""Distance of a root from the speed, as a part of it, within which a free model only moves as a whole."""
 QUICK, FAR = 8, 0.3
 """Iterations from a rotation nearby, and the change, in sizes of the unknowns, beyond which it is not near."""
 
@@ -90,6 +92,12 @@ class DrivenRotations:
         """Return how motions ``(6 n, m)`` go round the axis."""
         frames = matrices(self.state(speed).q)
         return rounds(self._global(frames, shapes), self.problem.mass, frames, self.direction)
+
+    def idle(self, speed: float, roots: np.ndarray) -> np.ndarray:
+        """Return which roots are those of a model that rests, or drifts, beside its rotation: nothing holds it."""
+        free = support_kind(self.problem) is not SupportKind.HELD
+        near = np.hypot(roots.real, np.abs(roots.imag) - speed) <= IDLE * speed
+        return np.asarray(near & free)
 
     def principal(self, speed: float, shapes: np.ndarray) -> np.ndarray:
         """Return combinations of motions with one root that go round one way each, as far as they can."""

@@ -13,6 +13,9 @@ from viscorod.solve.tracking.special_values import ModeBetween, solved
 
 __all__ = ["Critical", "critical_speeds"]
 
+FAINT = 1e-8
+"""Distance of a frequency from a multiple of the speed, as a part of it, that is round-off."""
+
 
 @dataclass(frozen=True)
 class Critical:
@@ -45,8 +48,9 @@ def critical_speeds(tracker: Tracker, orders: Sequence[float], waves: Sequence[i
             seen = np.array([end.roots[mode].imag for end in ends]) + wave * speeds
             for order in orders:
                 for sign in (1.0, -1.0):
-                    before, after = sign * seen - order * speeds > 0.0
-                    if before != after:
+                    apart = sign * seen - order * speeds
+                    along = (np.abs(apart) <= FAINT * order * speeds).all()  # round-off decides nothing
+                    if (apart[0] > 0.0) != (apart[1] > 0.0) and not along:
                         found.append(_critical(ModeBetween(tracker, mode, ends), order, sign, wave))
     return sorted(found, key=lambda one: one.speed)
 

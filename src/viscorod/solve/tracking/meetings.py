@@ -8,6 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.solve.tracking.mode_tracking import Sample
+from viscorod.solve.tracking.special_values import grows
 
 __all__ = ["Meeting", "meetings"]
 
@@ -41,6 +42,7 @@ def meetings(samples: list[Sample], mass: sparse.csr_array) -> list[Meeting]:
     """Return where two modes cross or veer, in order of the parameter."""
     p = np.array([sample.parameter for sample in samples])
     frequencies = np.array([np.abs(sample.roots.imag) for sample in samples])
+    growing = np.array([[grows(complex(s)) for s in sample.roots] for sample in samples])
     found = []
     count = frequencies.shape[1]
     for i in range(count):
@@ -49,12 +51,14 @@ def meetings(samples: list[Sample], mass: sparse.csr_array) -> list[Meeting]:
             mean = 0.5 * (frequencies[:, i] + frequencies[:, j])
             if not (mean > 0.0).all() or (np.abs(apart) <= COINCIDE * mean).any():
                 continue
-            for k in np.flatnonzero(apart[:-1] * apart[1:] < 0.0):
+            calm = ~(growing[:, i] | growing[:, j])  # two that flutter have one frequency
+            for k in np.flatnonzero((apart[:-1] * apart[1:] < 0.0) & calm[:-1] & calm[1:]):
                 part = apart[k] / (apart[k] - apart[k + 1])
                 where = float(p[k] + part * (p[k + 1] - p[k]))
                 at = float(mean[k] + part * (mean[k + 1] - mean[k]))
                 found.append(Meeting(where, (i, j), True, 0.0, at))
-            found += _veerings(samples, mass, (i, j), (apart, mean))
+            last = len(calm) if calm.all() else int(np.argmin(calm))
+            found += _veerings(samples[:last], mass, (i, j), (apart[:last], mean[:last]))
     return sorted(found, key=lambda one: one.parameter)
 
 

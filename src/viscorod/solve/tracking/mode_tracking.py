@@ -59,6 +59,9 @@ class Family(Protocol):
     def pencil(self, parameter: float) -> MovingPencil:
         """Return the small motions at a value of the parameter."""
 
+    def idle(self, parameter: float, roots: np.ndarray) -> np.ndarray:
+        """Return which roots are those of motions that are none, however they look."""
+
     def principal(self, parameter: float, shapes: np.ndarray) -> np.ndarray:
         """Return combinations ``(6 n, m)`` of shapes with one root, each of which is a motion of one kind."""
 
@@ -155,7 +158,8 @@ class Tracker:
         swings = (s.imag > SWINGS * np.abs(s)) | (s.real > 1e-6 * np.abs(s))
         first = float(np.abs(s[swings]).min(initial=np.inf))
         crowd = CROWD * self.family.pencil(parameter).quadratic.creep
-        return np.asarray(swings | (np.abs(s) < min(first, crowd)))
+        chosen = swings | (np.abs(s) < min(first, crowd))
+        return np.asarray(chosen & ~self.family.idle(parameter, s))
 
     def _step(self, way: list[Sample], parameter: float, depth: int) -> None:
         """Add the sample at the next value, with others before it where modes could not be told apart."""

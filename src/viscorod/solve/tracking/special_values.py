@@ -20,7 +20,7 @@ __all__ = ["Limit", "ModeBetween", "grows", "limits", "solved"]
 
 GROWS = 1e-7
 """Growth of a motion, as a part of its root, from which on it counts: round-off of undamped ones is less."""
-PRECISION = 1e-13
+PRECISION = 1e-11
 """Part of the parameter to which roots are found."""
 ROUNDS = 100
 NARROWED, LIKE = 10, 0.3
