@@ -225,6 +225,34 @@ def shaken(axes: Axes, result: vr.FrequencyResponse) -> None:
     axes.plot([0.95 * first, first], [15.39, 156.6], "o", color=RED, label="beam with complex modulus")
 
 
+def amplitudes(axes: Axes, result: vr.Periodic) -> None:
+    """Draw the amplitude over the frequency, motions that are unstable dashed."""
+    clean(axes, "frequency [Hz]", "amplitude [mm]")
+    height = 1e3 * result.amplitude("beam@0.2 uz")
+    for stable, style in ((True, "-"), (False, "--")):
+        # every motion beside one of the kind, so that lines meet
+        beside = np.convolve(result.stable == stable, [1, 1, 1], "same") > 0
+        axes.plot(
+            result.frequencies, np.where(beside, height, np.nan), style, color=BLUE if stable else ORANGE
+        )
+    heading(axes, "Amplitude over frequency (dashed: unstable)")
+
+
+def hardening(axes: Axes, result: vr.Periodic) -> None:
+    """Draw the same about the backbone of one mode, w^2 = w1^2 + 3/4 alpha q^2."""
+    height = 1e3 * result.amplitude("beam@0.2 uz")
+    clean(axes, "amplitude [mm]", "frequency [Hz]")
+    axes.plot(height, result.frequencies, color=BLUE, label="computed")
+    q = np.linspace(0.0, 2.2, 50)
+    axes.plot(
+        q,
+        np.sqrt(98.136**2 + (109.670**2 - 98.136**2) * (q / 2.0376) ** 2),
+        "--",
+        color=RED,
+        label="one mode",
+    )
+
+
 def whirl(axes: Axes, result: vr.Campbell) -> None:
     """Draw damping ratios of the shaft over its speed, with the limit of the closed form."""
     clean(axes, "speed [rad/s]", "damping ratio [%]")
@@ -322,6 +350,7 @@ RIGHT: dict[str, Callable[..., None]] = {
     "whirling_shaft": whirl,
     "tall_rod": critical(2, 7.26894),
     "becks_column": growth,
+    "clamped_strip": hardening,
 }
 
 
@@ -339,6 +368,8 @@ def draw(name: str) -> Path:
         snapshots(picture, left, result, *window)
     elif isinstance(result, vr.FrequencyResponse):
         curve(left, result)
+    elif isinstance(result, vr.Periodic):
+        amplitudes(left, result)
     elif isinstance(result, vr.Campbell):
         lines(left, result)
     elif isinstance(result, vr.Stability):
