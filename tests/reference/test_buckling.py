@@ -195,7 +195,7 @@ def test_critical_loads_are_kept_drawn_and_told(tmp_path):
     assert found.positions.shape == found.shapes.shape == found.rotations.shape
     assert found.history("rod.end")[0, 2] == pytest.approx(5.0, rel=1e-6)
     assert (tmp_path / "buckling.png").stat().st_size > 10_000
-    with pytest.raises(vr.InputError, match="draw them with plot"):
+    with pytest.raises(vr.InputError, match="draw it with plot"):
         vr.view(found, tmp_path / "page.html")
     model = column()
     model.clamp("column.start")

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -43,23 +44,23 @@ from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
-    from viscorod.results.buckling import Buckling
-    from viscorod.results.campbell import Campbell
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.modes_result import Modes
-    from viscorod.results.periodic import Periodic
-    from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.stability_result import Stability
-    from viscorod.results.steady_result import Steady
+    from viscorod.results.any_result import AnyResult
 
 __all__ = ["as_model", "discretised_case", "run_case"]
 
-ANALYSES: dict[type, Callable[[DiscreteModel, Any], Run | Equilibrium | Steady]] = {
-    EquilibriumSettings: equilibrium,
-    PathSettings: equilibrium_path,
-    SteadySettings: steady_rotation,
+ANALYSES: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
+    SimulateSettings: partial(refined_motion, motion),
+    EquilibriumSettings: partial(refined, equilibrium),
+    PathSettings: partial(refined, equilibrium_path),
+    SteadySettings: partial(refined, steady_rotation),
+    ModesSettings: partial(refined_modes, modes),
+    BucklingSettings: partial(refined_buckling, buckling),
+    ResponseSettings: partial(refined_response, frequency_response),
+    CampbellSettings: campbell,
+    StabilitySettings: stability,
+    PeriodicSettings: partial(refined_periodic, periodic),
 }
-"""The analysis of each kind of settings, beside that of motions."""
+"""The analysis of each kind of settings, on a mesh that is fine enough for it."""
 
 
 def discretised_case(case: Case) -> DiscreteModel:
@@ -86,7 +87,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
-) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability:
+) -> AnyResult:
     """Run the analysis of a case file.
 
     Args:
@@ -110,21 +111,7 @@ def run_case(
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
     settings = case.settings
     with one_blas_thread():
-        if isinstance(settings, SimulateSettings):
-            return refined_motion(motion, discrete, settings)
-        if isinstance(settings, ModesSettings):
-            return refined_modes(modes, discrete, settings)
-        if isinstance(settings, ResponseSettings):
-            return refined_response(frequency_response, discrete, settings)
-        if isinstance(settings, BucklingSettings):
-            return refined_buckling(buckling, discrete, settings)
-        if isinstance(settings, CampbellSettings):
-            return campbell(discrete, settings)
-        if isinstance(settings, StabilitySettings):
-            return stability(discrete, settings)
-        if isinstance(settings, PeriodicSettings):
-            return refined_periodic(periodic, discrete, settings)
-        return refined(ANALYSES[type(settings)], discrete, settings)
+        return ANALYSES[type(settings)](discrete, settings)
 
 
 def as_model(description: ModelDescription) -> Model:

@@ -71,35 +71,23 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
         InputError: no such file, or it holds a sweep, a response, followed modes or periodic motions.
     """
     from viscorod.results.files.storage import load
-    from viscorod.results.followed_modes import FollowedModes
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.periodic import Periodic
+    from viscorod.results.result import Result
     from viscorod.results.sweep_result import Sweep
 
     found = load(path)
-    if isinstance(found, FrequencyResponse | FollowedModes):
-        what = "frequency response" if isinstance(found, FrequencyResponse) else found.what
-        raise InputError(
-            Fault(
-                str(path),
-                "",
-                f"this is a {what}, which has no states of a model",
-                f"viscorod {found.kind} writes its pictures; in Python: viscorod.load(path).plot(...)",
-            )
-        )
-    if isinstance(found, Periodic):
-        raise InputError(
-            Fault(
-                str(path),
-                "",
-                "these are periodic motions, of which the outputs are kept and no states of the model",
-                "viscorod periodic writes their pictures; in Python: viscorod.load(path).plot(...)",
-            )
-        )
     if isinstance(found, Sweep):
         raise InputError(
             Fault(
                 str(path), "", "this is a sweep of several runs", "save one of them: sweep[0].run.save(...)"
+            )
+        )
+    if not isinstance(found, Result):
+        raise InputError(
+            Fault(
+                str(path),
+                "",
+                f"this is a {found.what}, which has no states of a model",
+                f"viscorod {found.kind} writes its pictures; in Python: viscorod.load(path).plot(...)",
             )
         )
     return found

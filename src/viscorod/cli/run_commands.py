@@ -20,14 +20,7 @@ from viscorod.errors import InputError, SolveError
 if TYPE_CHECKING:
     from viscorod.analyses.discrete import DiscreteModel
     from viscorod.casefile.case import Case
-    from viscorod.results.buckling import Buckling
-    from viscorod.results.campbell import Campbell
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.modes_result import Modes
-    from viscorod.results.periodic import Periodic
-    from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.stability_result import Stability
-    from viscorod.results.steady_result import Steady
+    from viscorod.results.any_result import AnyResult
 
 __all__ = ["resume", "run"]
 
@@ -129,9 +122,7 @@ def _compute(
         total, quantity = settings.duration, TIME
     elif isinstance(settings, ResponseSettings):
         total, quantity = settings.highest, FREQUENCY
-    result: (
-        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Periodic | Stability
-    )
+    result: AnyResult
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
             with polite_stop() as stop, reporting(total, quantity) as progress:
@@ -161,15 +152,7 @@ def _compute(
 
 
 def _write(
-    result: Run
-    | Equilibrium
-    | Steady
-    | Modes
-    | Buckling
-    | FrequencyResponse
-    | Campbell
-    | Periodic
-    | Stability,
+    result: AnyResult,
     folder: Path,
     doubts: Sequence[str],
 ) -> list[Path]:
@@ -181,13 +164,5 @@ def _write(
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    words = {
-        "modes": "modes",
-        "response": "bode",
-        "campbell": "campbell",
-        "stability": "stability",
-        "periodic": "amplitude",
-    }
-    word = words.get(result.kind, "shape")
-    picture = result.plot(folder / f"{word}.png")
+    picture = result.plot(folder / f"{result.picture}.png")
     return [result.save(folder / "run.nc"), picture]

@@ -23,6 +23,7 @@ class Buckling(Result):
     """
 
     kind: ClassVar[str] = "buckling"
+    what: ClassVar[str] = "list of critical loads"
 
     @property
     def load_factors(self) -> Floats:

@@ -43,6 +43,7 @@ class Campbell(FollowedModes):
     """
 
     kind: ClassVar[str] = "campbell"
+    picture: ClassVar[str] = "campbell"
     what: ClassVar[str] = "Campbell diagram"
     along: ClassVar[str] = "speed"
     unit: ClassVar[str] = "rad/s"

@@ -64,6 +64,7 @@ class FollowedModes:
     """Modes followed along a parameter; ``data`` is an ``xarray.Dataset``."""
 
     kind: ClassVar[str]
+    picture: ClassVar[str]
     what: ClassVar[str]
     """In words, as in "this data set is no ..."."""
     along: ClassVar[str]

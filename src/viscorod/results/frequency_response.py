@@ -52,6 +52,8 @@ class FrequencyResponse:
     """
 
     kind: ClassVar[str] = "response"
+    picture: ClassVar[str] = "bode"
+    what: ClassVar[str] = "frequency response"
 
     def __init__(self, data: xr.Dataset) -> None:
         missing = [name for name in VARIABLES if name not in data.variables]

@@ -29,6 +29,7 @@ class Modes(Result):
     """
 
     kind: ClassVar[str] = "modes"
+    picture: ClassVar[str] = "modes"
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:

@@ -88,6 +88,8 @@ class Periodic:
     """
 
     kind: ClassVar[str] = "periodic"
+    picture: ClassVar[str] = "amplitude"
+    what: ClassVar[str] = "curve of periodic motions"
 
     def __init__(self, data: xr.Dataset) -> None:
         missing = [name for name in VARIABLES if name not in data.variables]

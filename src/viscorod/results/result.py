@@ -33,6 +33,8 @@ class Result(ABC):
     """A data set with the methods that all kinds of result have."""
 
     kind: ClassVar[str]
+    picture: ClassVar[str] = "shape"
+    """Name of the picture of it all."""
     _build: Callable[[], xr.Dataset]
 
     def __init__(self, data: xr.Dataset) -> None:

@@ -20,6 +20,7 @@ class Stability(FollowedModes):
     """
 
     kind: ClassVar[str] = "stability"
+    picture: ClassVar[str] = "stability"
     what: ClassVar[str] = "stability along a load"
     along: ClassVar[str] = "load_factor"
     unit: ClassVar[str] = ""

@@ -14,18 +14,18 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
-from viscorod.results.buckling import Buckling
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.energy import Energy
 from viscorod.results.files.storage import read, result_of, write
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
-from viscorod.results.run import Equilibrium, Run
-from viscorod.results.steady_result import Steady
+from viscorod.results.run import Run
 from viscorod.results.text_table import table
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.results.any_result import AnyResult
 
 ALONG = DIMENSION | {"response": "frequency"}
 """Kind of a result -> dimension of its states."""
@@ -77,7 +77,7 @@ class SweepRun:
 
     number: int
     values: Mapping[str, Any]
-    result: Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | None
+    result: AnyResult | None
     message: str = ""
     outcome: str = COMPLETED
 

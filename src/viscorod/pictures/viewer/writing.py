@@ -36,9 +36,7 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
-    from viscorod.results.followed_modes import FollowedModes
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.periodic import Periodic
+    from viscorod.results.any_result import AnyResult
     from viscorod.results.sweep_result import Sweep
 
 __all__ = ["FRAMES", "MEGABYTES", "view"]
@@ -53,7 +51,7 @@ _TRIES = 6
 
 @checked
 def view(
-    result: Result | FrequencyResponse | FollowedModes | Periodic | Sweep,
+    result: AnyResult | Sweep,
     path: str | Path,
     *,
     frames: int = FRAMES,
@@ -79,16 +77,12 @@ def view(
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium | Modes | Steady):
-        what, instead = {
-            "FrequencyResponse": ("a frequency response", "draw it with plot"),
-            "Buckling": ("a list of critical loads", "draw them with plot"),
-            "Campbell": ("a Campbell diagram", "draw it with plot"),
-            "Stability": ("stability along a load", "draw it with plot"),
-            "Periodic": ("a curve of periodic motions", "draw it with plot"),
-            "Sweep": ("a sweep", "give one of its members"),
-        }.get(type(result).__name__, ("this", "give a run, an equilibrium, a path or modes"))
+        what = getattr(
+            result, "what", "sweep" if type(result).__name__ == "Sweep" else "result of another kind"
+        )
+        instead = "give one of its members" if what == "sweep" else "draw it with plot"
         raise InputError(
-            f"{what} has no states that follow each other, so there is nothing to play; {instead}"
+            f"a {what} has no states that follow each other, so there is nothing to play; {instead}"
         )
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")

@@ -23,14 +23,7 @@ from viscorod.whole_files import replacing
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.buckling import Buckling
-    from viscorod.results.campbell import Campbell
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.modes_result import Modes
-    from viscorod.results.periodic import Periodic
-    from viscorod.results.run import Equilibrium, Run
-    from viscorod.results.stability_result import Stability
-    from viscorod.results.steady_result import Steady
+    from viscorod.results.any_result import AnyResult
     from viscorod.results.sweep_result import Sweep
 
 
@@ -201,20 +194,7 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
 
 
 @checked
-def load(
-    path: str | Path,
-) -> (
-    Run
-    | Equilibrium
-    | Steady
-    | Modes
-    | Buckling
-    | FrequencyResponse
-    | Campbell
-    | Periodic
-    | Stability
-    | Sweep
-):
+def load(path: str | Path) -> AnyResult | Sweep:
     """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
@@ -234,18 +214,6 @@ def load(
         if path.is_dir():
             return Run(stopped_run(path))
     data = read(path)
-    if str(data.attrs.get("kind")) == "campbell":
-        from viscorod.results.campbell import Campbell
-
-        return Campbell(data)
-    if str(data.attrs.get("kind")) == "stability":
-        from viscorod.results.stability_result import Stability
-
-        return Stability(data)
-    if str(data.attrs.get("kind")) == "periodic":
-        from viscorod.results.periodic import Periodic
-
-        return Periodic(data)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
         from viscorod.results.sweep_result import Sweep
 
@@ -253,31 +221,23 @@ def load(
     return result_of(data, Path(path))
 
 
-def result_of(
-    data: xr.Dataset, path: Path
-) -> Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse:
+def result_of(data: xr.Dataset, path: Path) -> AnyResult:
     """Return the result whose data set was read from a file, after looking at all of it.
 
     Raises:
         InputError: it is no result, or a damaged one.
     """
-    from viscorod.results.buckling import Buckling
-    from viscorod.results.frequency_response import FrequencyResponse
-    from viscorod.results.modes_result import Modes
-    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.any_result import KINDS, result_class
+    from viscorod.results.result import Result
     from viscorod.results.soundness import require_sound
-    from viscorod.results.steady_result import Steady
 
-    kinds: dict[Any, type[Run | Equilibrium | Steady | Modes | Buckling]] = {
-        kind.kind: kind for kind in (Run, Equilibrium, Steady, Modes, Buckling)
-    }
-    found = str(data.attrs.get("kind", ""))
-    if found == FrequencyResponse.kind:
-        return FrequencyResponse(data)
-    if found not in kinds:
+    kind = str(data.attrs.get("kind", ""))
+    found = result_class(kind)
+    if found is None:
         raise InputError(
-            f"{path} holds no viscorod result (kind = {found[:60]!r}; known: {', '.join(kinds)}, response, "
-            "periodic, campbell, stability, sweep)"
+            f"{path} holds no viscorod result (kind = {kind[:60]!r}; known: {', '.join(KINDS)}, sweep)"
         )
-    require_sound(data, path)
-    return kinds[found](data)
+    if issubclass(found, Result):
+        require_sound(data, path)
+    result: AnyResult = found(data)
+    return result
