@@ -75,6 +75,9 @@ def turned(content, Q):
             spring["to"] = direction(spring["to"])
         if spring.get("kind", "bushing") == "bushing":
             spring["axes"] = [direction(v) for v in spring.get("axes", ((1, 0, 0), (0, 1, 0)))[:2]]
+    campbell = content.get("campbell", {})
+    for key in {"axis", "centre"} & campbell.keys():
+        campbell[key] = direction(campbell[key])
     steady = content.get("steady", {})
     for key in ("spin", "axis"):
         if isinstance(steady.get(key), list):
@@ -143,5 +146,6 @@ def _numbers(node, length):
         return int(text) if text.lstrip("-").isdigit() else float(text)
     if isinstance(node, str) and "@" in node:
         rod, s = node.split("@")
-        return f"{rod}@{float(s) * length!r}"
+        place, *rest = s.split(" ", 1)
+        return " ".join([f"{rod}@{float(place) * length!r}", *rest])
     return node

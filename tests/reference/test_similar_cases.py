@@ -5,6 +5,7 @@ iterations agree as well, since errors are measured in body axes and compared wi
 """
 
 import copy
+import functools
 
 import numpy as np
 import pytest
@@ -17,7 +18,15 @@ from viscorod.casefile.case import case_from_dict
 from viscorod.errors import SolveError
 
 STEPS = 12
-SHIPPED = sorted(set(CASES) - {"everything"})
+# Analyses without states that follow each other, coarse here, and what they are compared by.
+STATELESS = {
+    "becks_column": {"stability": {"band": [6.0, 14.0], "count": 3}},
+    "tall_rod": {"buckling": {"count": 2}},
+    "whirling_shaft": {"campbell": {"band": [150.0, 300.0], "count": 2, "modes": 2}},
+    "shaken_strip": {"response": {"band": [10.0, 20.0]}},
+    "clamped_strip": {"periodic": {"frequencies": [90.0, 92.0]}},
+}
+SHIPPED = sorted(set(CASES) - {"everything", *STATELESS})
 TURNS = {
     "skew": Rotation.from_rotvec([0.4, -1.1, 0.7]).as_matrix(),
     "cyclic": np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
@@ -100,3 +109,62 @@ def test_a_case_in_other_units_gives_the_same_result(name, length, mass, time):
             )
     if "simulate" in own:
         assert there.data.attrs["iterations"] == here.data.attrs["iterations"]
+
+
+def coarse(name):
+    """A case of an analysis without states, made small."""
+    content = copy.deepcopy(CASES[name])
+    for word, keys in STATELESS[name].items():
+        content[word] |= keys
+    return content
+
+
+@functools.cache
+def own_result(name):
+    return run_case(case_from_dict(coarse(name)))
+
+
+def numbers(result):
+    """Numbers of a result without states -> the power of the time in their units."""
+    match result.kind:
+        case "buckling":
+            return [(result.load_factors, 0)]
+        case "stability":
+            return [(result.frequencies, -1), (np.array([limit.at for limit in result.limits]), 0)]
+        case "campbell":
+            limits = np.array([limit.at for limit in result.limits])
+            return [(result.frequencies, -1), (limits, -1)]
+        case "response":
+            return [(result.poles, -1), (np.array([abs(result.response()).max()]), 0)]
+        case "periodic":
+            amplitude = result.amplitude(0)
+            return [(result.frequencies, -1), (amplitude / amplitude.max(), 0)]
+
+
+def compare(there, here, time):
+    assert there.kind == here.kind
+    for (found, power), (expected, _) in zip(numbers(there), numbers(here), strict=True):
+        assert expected.size
+        np.testing.assert_allclose(
+            found * time**-power, expected, rtol=0.0, atol=1e-5 * float(np.abs(expected).max())
+        )
+
+
+@pytest.mark.parametrize("name", STATELESS)
+def test_a_turned_case_without_states_gives_the_same_numbers(name):
+    """From axis to axis, with the words of inputs and outputs."""
+    content = turned(coarse(name), TURNS["cyclic"])
+    for part in (content.get("response", {}), content.get("periodic", {})):
+        for key in {"inputs", "outputs"} & part.keys():
+            part[key] = [word[:-1] + NEXT[word[-1]] for word in part[key]]
+    compare(run_case(case_from_dict(content)), own_result(name), 1.0)
+
+
+@pytest.mark.parametrize("name", STATELESS)
+def test_a_case_without_states_in_other_units_gives_the_same_numbers(name):
+    length, mass, time = 0.3, 7.0, 0.02
+    content = scaled(coarse(name), length, mass, time)
+    if "periodic" in content:  # their unit is that of the inputs, here newtons
+        amplitudes = CASES[name]["periodic"]["amplitudes"]
+        content["periodic"]["amplitudes"] = [mass * length / time**2 * a for a in amplitudes]
+    compare(run_case(case_from_dict(content)), own_result(name), time)
