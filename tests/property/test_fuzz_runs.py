@@ -62,8 +62,14 @@ def short(case, analysis="own"):
         if "time_step" in part:
             part["time_step"] = min(part["time_step"], part["duration"])
         part.pop("output_interval", None)
-    if "path" in case:
-        case["path"]["points"] = 6
+    for analysis, few in (
+        ("path", "points"),
+        ("periodic", "points"),
+        ("campbell", "count"),
+        ("stability", "count"),
+    ):
+        if analysis in case:
+            case[analysis][few] = 6
     return case
 
 
