@@ -15,6 +15,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from PIL import Image
+from scipy.interpolate import CubicSpline
 
 import viscorod as vr
 from viscorod.analyses.case_run import run_case
@@ -258,7 +259,7 @@ def whirl(axes: Axes, result: vr.Campbell) -> None:
     clean(axes, "speed [rad/s]", "damping ratio [%]")
     for k, colour in enumerate((RED, BLUE)):
         way = "forward" if result.whirl[-1, k] > 0.0 else "backward"
-        axes.plot(result.speeds, 100.0 * result.damping_ratios[:, k], color=colour, label=f"{way} whirl")
+        axes.plot(result.speeds, 100.0 * result.damping_ratios[:, k], color=colour, label=way)
     axes.axhline(0.0, color="#222222", linewidth=0.8)
     axes.plot(252.904, 0.0, "o", color=GREEN, label="closed form")
 
@@ -302,7 +303,9 @@ def critical(number: int, known: float) -> Callable[[Axes, vr.Buckling], None]:
         moved = result.shapes[number, :, :2]
         across = moved[:, int(np.argmax(np.abs(moved).max(axis=0)))]
         name = f"{result.load_factors[number]:.5f} times its weight (Greenhill {known:.5f})"
-        axes.plot(across, result.positions[number][:, 2], color=BLUE, linewidth=2.0, label=name)
+        height = result.positions[number][:, 2]
+        fine = np.linspace(height[0], height[-1], 200)
+        axes.plot(CubicSpline(height, across)(fine), fine, color=BLUE, linewidth=2.0, label=name)
         axes.axvline(0.0, color="#8a8a8a", linestyle="--", linewidth=1.0)
         legend_above(axes, 1)
 

@@ -275,7 +275,7 @@ def test_whirling_rod_is_all_but_stable():
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analyses.discrete import DiscreteModel
-    from viscorod.analyses.motion import stepping
+    from viscorod.analyses.motion import integrator_makers, stepping
     from viscorod.solve.settings.motion import SimulateSettings
     from viscorod.solve.settings.steady import SteadySettings
     from viscorod.solve.steady.rotation_search import Search
@@ -286,7 +286,10 @@ def test_whirling_rod_keeps_whirling(formulation):
     found = Search(work.static, SteadySettings(energy=0.5, formulation=formulation), None).run()
     duration = 3.0 * 2.0 * np.pi / float(np.linalg.norm(found.spin))
     settings = SimulateSettings(duration, tolerance=1e-8, formulation=formulation, initial="reference")
-    integrator, control, _ = stepping(work, settings, found.state)
+    make, _ = integrator_makers(work, settings, found.state)
+    integrator, control, _ = stepping(
+        work, settings, None, make
+    )  # a given tolerance asks for no small motions
     run = Transient(work.problem, integrator, control, work.system.describe_node).run(
         found.state.copy(), duration, output_interval=None, progress=None
     )
