@@ -114,6 +114,7 @@ bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/tolerance.py
 	$(BIN)/python bench/statics.py
 	$(BIN)/python bench/stability.py
+	$(BIN)/python bench/periodic_motions.py
 	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
 

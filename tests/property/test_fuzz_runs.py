@@ -62,14 +62,14 @@ def short(case, analysis="own"):
         if "time_step" in part:
             part["time_step"] = min(part["time_step"], part["duration"])
         part.pop("output_interval", None)
-    for analysis, few in (
+    for table, few in (
         ("path", "points"),
         ("periodic", "points"),
         ("campbell", "count"),
         ("stability", "count"),
     ):
-        if analysis in case:
-            case[analysis][few] = 6
+        if table in case:
+            case[table][few] = 6
     return case
 
 
