@@ -179,6 +179,8 @@ class ExternalLoads:
         self._loaded: dict[tuple[tuple[int, ...], bool], Integers] = {}
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
+        nowhere = (float("nan"), 0, np.zeros(0))
+        self._located: list[tuple[float, int, Floats]] = [nowhere] * len(problem.station_loads)
         self._driven = any(strain.changes for _, strain in problem.rest_strains)
         self.last: LoadState = NO_LOADS
 
@@ -209,14 +211,17 @@ class ExternalLoads:
         if not problem.station_loads:
             return state
         stations = []
-        for load in problem.station_loads:
+        for k, load in enumerate(problem.station_loads):
             factor = self._part(load.load, scale) * (
                 given[load.load] if load.load in given else load.factor(t, before)
             )
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
-            element, shape = self.locate(load.rod, s)
+            where, element, shape = self._located[k]
+            if s != where:  # most stay where they are
+                element, shape = self.locate(load.rod, s)
+                self._located[k] = s, element, shape
             stations.append(ActiveStation(element, shape, factor * load.dead, factor * load.following))
         self.last = replace(state, stations=stations)
         return self.last
