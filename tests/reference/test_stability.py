@@ -7,11 +7,15 @@ Stability, 1963). Ziegler (1952): two bars, 2m and m, springs c: ``(7/2 - sqrt 2
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq, minimize_scalar, root
 
 import viscorod as vr
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
 
 LOOSE = [1, 1, 1, 1e-12, 1e-12, 2e-12]
 
@@ -185,3 +189,20 @@ def test_it_is_kept_drawn_and_told(tmp_path):
     table = found.save_csv(tmp_path / "stability.csv").read_text(encoding="utf-8").splitlines()
     assert table[0].startswith("load factor,")
     assert len(table) == 1 + 4
+
+
+@pytest.mark.parametrize(
+    ("name", "analysis", "given"),
+    [
+        ("becks_column", "stability", {"load_factors": [1.0, 2.0]}),
+        ("whirling_shaft", "campbell", {"axis": (1, 0, 0), "speeds": [10.0, 20.0]}),
+        ("tall_rod", "buckling", {"count": 2}),
+    ],
+)
+def test_a_reason_to_stop_is_told(name, analysis, given):
+    """Analyses along a parameter ask ``stop`` in their iterations, and end with its reason."""
+    model = load_case(shipped_case(name)).model(vr.Model)
+    asked = itertools.count()
+    with pytest.raises(vr.SolveError, match="enough|was stopped"):
+        getattr(model, analysis)(**given, stop=lambda: "enough" if next(asked) > 1 else "")
+    assert next(asked) > 2

@@ -18,7 +18,7 @@ from viscorod.solve.modes.mode_names import StrainEnergies
 from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.statics.critical_loads import CriticalPoint, CriticalSearch
-from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.statics.path_follower import PathFollower
 from viscorod.typing import Floats
 
@@ -27,6 +27,14 @@ __all__ = ["buckling"]
 
 def buckling(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
     """Find critical loads; see ``Model.buckling``."""
+    try:
+        return _critical(discrete, settings)
+    except KeyboardInterrupt as asked:
+        raise SolveError(f"Stopped: {interruption(asked)}") from None
+
+
+def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
+    discrete.static.stop = discrete.options.stop
     discrete.require_independent()
     require_no_initial_strain(discrete)
     state = _begin(discrete, settings)

@@ -20,11 +20,14 @@ from viscorod.errors import InputError
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.metadata import Check, Key
+from viscorod.solve.settings.buckling import BucklingSettings
+from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.co_simulation import CoSimulationSettings
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.response import LinearSettings, ResponseSettings
+from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -196,6 +199,18 @@ class PeriodicArguments(PeriodicSettings, Watched):
 
 class SteadyArguments(SteadySettings, Watched):
     """Arguments of ``Model.steady``."""
+
+
+class CampbellArguments(CampbellSettings, Watched):
+    """Arguments of ``Model.campbell``."""
+
+
+class StabilityArguments(StabilitySettings, Watched):
+    """Arguments of ``Model.stability``."""
+
+
+class BucklingArguments(BucklingSettings, Watched):
+    """Arguments of ``Model.buckling``."""
 
 
 def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable[Concatenate[M, P], R]]:

@@ -10,6 +10,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import (
+    BucklingArguments,
+    CampbellArguments,
     CoSimulationArguments,
     EquilibriumArguments,
     LinearArguments,
@@ -18,14 +20,12 @@ from viscorod.analyses.call_arguments import (
     PeriodicArguments,
     ResponseArguments,
     SimulateArguments,
+    StabilityArguments,
     SteadyArguments,
     takes,
 )
 from viscorod.checks import checked
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
-from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
@@ -237,8 +237,8 @@ class Model(ModelDescription):
         discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
         return refined_periodic(periodic, discrete, call)
 
-    @takes(BucklingSettings)
-    def buckling(self, settings: BucklingSettings) -> Buckling:
+    @takes(BucklingArguments)
+    def buckling(self, call: BucklingArguments) -> Buckling:
         """Find critical loads: where along its equilibria the model loses stiffness, and how it gives way there.
 
         All loads, prescribed motions and rest strains grow with the load factor, but those that are ``constant``.
@@ -248,16 +248,16 @@ class Model(ModelDescription):
 
         Raises:
             InputError: the model is inconsistent, nothing holds it, or nothing grows.
-            SolveError: there is no such prestress, or the equilibria could not be followed.
+            SolveError: there is no such prestress, the equilibria could not be followed, or it was stopped.
         """
         from viscorod.analyses.buckling import buckling
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.refinement import refined_buckling
 
-        return refined_buckling(buckling, DiscreteModel.of(self), settings)
+        return refined_buckling(buckling, DiscreteModel.of(self, call, call.options), call)
 
-    @takes(CampbellSettings)
-    def campbell(self, settings: CampbellSettings) -> Campbell:
+    @takes(CampbellArguments)
+    def campbell(self, call: CampbellArguments) -> Campbell:
         """Follow modes over the speed of a steady rotation: a Campbell diagram with critical speeds and limits.
 
         Supports turn with the model about a given axis, as in :meth:`steady`; springs and dampers to the ground are
@@ -269,15 +269,15 @@ class Model(ModelDescription):
 
         Raises:
             InputError: the model cannot turn steadily about this axis, or has no frequencies in space.
-            SolveError: a rotation or its small motions were not found.
+            SolveError: a rotation or its small motions were not found, or it was stopped.
         """
         from viscorod.analyses.campbell import campbell
         from viscorod.analyses.discrete import DiscreteModel
 
-        return campbell(DiscreteModel.of(self), settings)
+        return campbell(DiscreteModel.of(self, call, call.options), call)
 
-    @takes(StabilitySettings)
-    def stability(self, settings: StabilitySettings) -> Stability:
+    @takes(StabilityArguments)
+    def stability(self, call: StabilityArguments) -> Stability:
         """Follow modes about the equilibria over a load factor: where they begin to flutter, and to diverge.
 
         Damping and loads that follow are included.
@@ -290,12 +290,12 @@ class Model(ModelDescription):
 
         Raises:
             InputError: the model is inconsistent, nothing holds it, or nothing grows.
-            SolveError: an equilibrium or its small motions were not found.
+            SolveError: an equilibrium or its small motions were not found, or it was stopped.
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.stability import stability
 
-        return stability(DiscreteModel.of(self), settings)
+        return stability(DiscreteModel.of(self, call, call.options), call)
 
     @checked
     def draw(self, path: str | Path, title: str = "") -> Path:
