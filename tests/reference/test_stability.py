@@ -203,6 +203,6 @@ def test_a_reason_to_stop_is_told(name, analysis, given):
     """Analyses along a parameter ask ``stop`` in their iterations, and end with its reason."""
     model = load_case(shipped_case(name)).model(vr.Model)
     asked = itertools.count()
-    with pytest.raises(vr.SolveError, match="enough|was stopped"):
+    with pytest.raises(vr.SolveError, match=r"enough|was stopped"):
         getattr(model, analysis)(**given, stop=lambda: "enough" if next(asked) > 1 else "")
     assert next(asked) > 2
