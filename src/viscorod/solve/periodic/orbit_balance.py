@@ -22,13 +22,13 @@ from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.mechanics.nodes.support_rows import Directions
 from viscorod.mechanics.nodes.support_rows import impose as impose_supports
-from viscorod.mechanics.rotations.nodal_motion import coordinates, place
-from viscorod.mechanics.rotations.rotation import retract
+from viscorod.mechanics.rotations.nodal_motion import coordinates
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.periodic.drive import Drive
 from viscorod.solve.periodic.fourier import Fourier
+from viscorod.solve.periodic.orbit_kernels import add_to_orbit, place_orbit
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity.balance import adjoint_map
@@ -174,17 +174,10 @@ class OrbitBalance:
 
     def added(self, orbit: Orbit, change: Floats) -> Orbit:
         """Return an orbit after changes ``(N, N_b, 6)``: body increments and scaled multipliers."""
-        n, base = self.problem.size, self.base
-        X = np.zeros_like(orbit.X)
-        r, q, unused = np.empty(3), np.empty(4), np.empty(6)
-        still = np.zeros(6)
-        free = np.flatnonzero(self.body.held == 0.0)
-        for i in range(len(X)):
-            for k in free:
-                split = bool(self.body.split[k])
-                place(base.r[k], base.q[k], orbit.X[i, k], still, split, r, q, unused)
-                retract(r[None], q[None], np.ascontiguousarray(change[i, k])[None], r[None], q[None])
-                coordinates(base.r[k], base.q[k], r, q, split, X[i, k])
+        n, base, body = self.problem.size, self.base, self.body
+        X, scratch = np.zeros_like(orbit.X), (np.empty((1, 3)), np.empty((1, 4)), np.zeros((2, 6)))
+        free = np.flatnonzero(body.held == 0.0)
+        add_to_orbit(base.r, base.q, orbit.X, np.ascontiguousarray(change), body.split, free, *scratch, X)
         multiplier = orbit.multiplier + self.scale * change[:, n:].reshape(len(X), -1)[:, : len(self.scale)]
         return Orbit(X, multiplier)
 
@@ -223,10 +216,8 @@ class OrbitBalance:
             for i in range(count):
                 prescribed_motion(*where, own[0][i], own[1][i], own[2][i], *fixed, moving, rate)
                 r[i, held], q[i, held], twist[i, held], known[i] = *fixed, moving, rate
-        for k in np.flatnonzero(body.held == 0.0):
-            split = bool(body.split[k])
-            for i in range(count):
-                place(base.r[k], base.q[k], orbit.X[i, k], rates[i, k], split, r[i, k], q[i, k], twist[i, k])
+        free = np.flatnonzero(body.held == 0.0)
+        place_orbit(base.r, base.q, orbit.X, rates, body.split, free, r, q, twist)
         acceleration = omega * np.tensordot(self.D, twist, axes=1)
         acceleration[:, held] = known
         states = [State(r[i], q[i], twist[i], orbit.multiplier[i].copy()) for i in range(count)]
