@@ -111,13 +111,24 @@ CHECKS = {
 
 @pytest.mark.parametrize("name", shipped_cases())
 def test_case_has_the_number_of_its_source(name, tmp_path, monkeypatch):
-    """The command of the gallery, in an empty folder; the number is taken from the file that it writes."""
+    """The command of the gallery, in an empty folder; the number is taken from the file that it writes.
+
+    The file has the report that was printed, finite numbers, and of the energy hardly anything was lost by the steps.
+    """
     monkeypatch.chdir(tmp_path)
     for command in (["example", name], ["run", f"{name}.toml"]):
         result = CliRunner().invoke(app, command)
         assert result.exit_code == 0, result.output
+    run = vr.load(f"out/{name}/run.nc")
+    assert run.outcome == "completed"
+    assert run.report() in result.output
+    for variable in run.data.variables.values():
+        if variable.dtype.kind == "f":
+            assert np.isfinite(variable.values).all()
+    if isinstance(run, vr.Run):
+        assert run.energy.numerical_fraction < 0.01
     take, expected, tolerance = CHECKS[name]
-    found = np.asarray(take(vr.load(f"out/{name}/run.nc")), dtype=float)
+    found = np.asarray(take(run), dtype=float)
     assert found == pytest.approx(np.broadcast_to(expected, found.shape), rel=tolerance)
 
 

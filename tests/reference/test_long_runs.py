@@ -133,11 +133,11 @@ def test_a_written_run_is_the_run(tmp_path, eager, name):
 
 @pytest.mark.parametrize("name", RUNS)
 def test_a_stopped_run_goes_on(tmp_path, eager, name):
-    """Identity, at three different steps; stopped twice the last time."""
+    """Identity, stopped after the first step, and twice on the way."""
     model, given = RUNS[name]()
     expected = whole(name)
     total = int(expected.data.attrs["steps"])
-    for count, stops in enumerate(([1], [total // 2], [total // 3, total // 3])):
+    for count, stops in enumerate(([1], [total // 3, total // 3])):
         folder = tmp_path / str(count)
         for number, stop in enumerate(stops):
             with pytest.raises(vr.SolveError, match="enough") as error:

@@ -445,7 +445,7 @@ def test_flipped_bits_of_the_states_are_noticed(tmp_path):
     content, count = states.read_bytes(), contents(journal).sizes["time"]
     size = len(content) // count
     for place in [
-        *range(3 * size, 4 * size, 13),
+        *range(3 * size, 4 * size, 37),
         *range(4 * size - 12, 4 * size),
         *range(3 * size, 3 * size + 12),
     ]:
@@ -593,7 +593,7 @@ sys.path.insert(0, {tests!r})
 import viscorod as vr
 from helpers import stopped_runs as runs
 disk = Path({disk!r})
-for size in range(60_000, 300_000, 20_000):
+for size in range(60_000, 300_000, 40_000):
     filler = disk / "filler"
     filler.write_bytes(b"x" * ({room} - size))
     for name in ("run.nc", "again.nc"):
