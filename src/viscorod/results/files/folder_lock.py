@@ -173,16 +173,23 @@ class FolderLock:
 
     def release(self) -> None:
         """Unlock it, and remove the file, what an interrupt left of a journal without a run, and what is empty then."""
+        try:
+            self._release()
+        except KeyboardInterrupt:  # to the end, else an empty journal would stay
+            self._release()
+            raise
+
+    def _release(self) -> None:
         file = self._file
         if file is not None and not file.closed:
-            here = self._mine and _is_at(file, self._place)
+            here = self._mine and (_is_at(file, self._place) or not self._place.exists())
             if os.name == "nt":  # which removes no open file
                 file.close()
             if here:  # while it is locked, so that nobody has it by then
                 with suppress(OSError):
                     if not holds_run(self._place.parent):
                         empty(self._place.parent)
-                    self._place.unlink()
+                    self._place.unlink(missing_ok=True)
                     self._place.parent.rmdir()
             if self._mine and not file.closed:
                 _unlock(file)
