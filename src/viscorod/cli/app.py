@@ -15,11 +15,11 @@ import typer
 
 from viscorod.cli.animate_command import animate
 from viscorod.cli.buckling_command import buckling
-from viscorod.cli.campbell_command import campbell
 from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
+from viscorod.cli.followed_commands import campbell, stability
 from viscorod.cli.modes_command import modes
 from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
@@ -27,7 +27,6 @@ from viscorod.cli.probe_command import probe
 from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
-from viscorod.cli.stability_command import stability
 from viscorod.cli.sweep_command import sweep
 from viscorod.cli.theories_command import theories
 from viscorod.cli.view_command import view

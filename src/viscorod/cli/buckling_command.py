@@ -9,6 +9,7 @@ import typer
 
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
 
 __all__ = ["buckling"]
@@ -51,8 +52,8 @@ def buckling(
         given = {"count": count, "constant": constant or None}
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
-        found = as_model(loaded.description).buckling(**settings)
-        found.data.attrs["title"] = loaded.title
+        with polite_stop() as stop:
+            found = as_model(loaded.description).buckling(**settings, title=loaded.title, stop=stop)
         written = [found.save(folder / "buckling.nc"), found.plot(folder / "buckling.png")]
         typer.echo(found.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")

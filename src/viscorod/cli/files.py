@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
+    from viscorod.casefile.case import Case
     from viscorod.model.rod import Rod
     from viscorod.results.buckling import Buckling
     from viscorod.results.modes_result import Modes
@@ -62,6 +63,27 @@ def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
         raise InputError(Fault("--rod", "", f"the case has {len(rods)} rods", f"give one of {names}"))
     advice = did_you_mean(name, rods, str)
     raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
+
+
+def case_for(kind: str, path: Path, needs: str) -> Case:
+    """Return the case of a file that asks for an analysis, by its table; ``needs`` names what stands in that.
+
+    Raises:
+        InputError: no such file, something in it is wrong, or it asks for another analysis.
+    """
+    from viscorod.casefile.case import load_case
+
+    case = load_case(existing(path))
+    if case.kind != kind:
+        raise InputError(
+            Fault(
+                case.kind,
+                "",
+                "the case asks for another analysis",
+                f"give a table [{kind}] in its place, with {needs}",
+            )
+        )
+    return case
 
 
 def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:

@@ -7,10 +7,11 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import Fault, InputError, SolveError
+from viscorod.errors import SolveError
 
 if TYPE_CHECKING:
     from viscorod.results.periodic import Periodic
@@ -22,22 +23,13 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
     """Follow the periodic motions of a case with a table [periodic]: a report, data, a table and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.casefile.case import load_case
         from viscorod.results.periodic import Periodic
 
-        loaded = load_case(existing(case))
-        if loaded.kind != "periodic":
-            raise InputError(
-                Fault(
-                    loaded.kind,
-                    "",
-                    "the case asks for another analysis",
-                    "give a table [periodic] in its place, with inputs, amplitudes, outputs and frequencies",
-                )
-            )
+        loaded = case_for("periodic", case, "inputs, amplitudes, outputs and frequencies")
         folder = writable(output or Path("out") / case.stem)
         try:
-            result = run_case(loaded, discretised_case(loaded))
+            with polite_stop() as stop:
+                result = run_case(loaded, discretised_case(loaded), stop=stop)
         except SolveError as error:
             if error.run is None:
                 raise

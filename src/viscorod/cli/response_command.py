@@ -6,11 +6,11 @@ from pathlib import Path
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import Fault, InputError, SolveError
+from viscorod.errors import SolveError
 
 __all__ = ["response"]
 
@@ -19,21 +19,11 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
     """Compute the frequency response of a case with a table [response]: a report, data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.casefile.case import load_case
         from viscorod.cli.progress import FREQUENCY, reporting
         from viscorod.results.frequency_response import FrequencyResponse
         from viscorod.solve.settings.response import ResponseSettings
 
-        loaded = load_case(existing(case))
-        if loaded.kind != "response":
-            raise InputError(
-                Fault(
-                    loaded.kind,
-                    "",
-                    "the case asks for another analysis",
-                    "give a table [response] in its place, with inputs, outputs and a band",
-                )
-            )
+        loaded = case_for("response", case, "inputs, outputs and a band")
         folder = writable(output or Path("out") / case.stem)
         assert isinstance(loaded.settings, ResponseSettings)
         code = 0

@@ -50,6 +50,21 @@ def figure(width: float, height: float) -> Figure:
     return result
 
 
+def legend_of_all(picture: Figure, height: float) -> None:
+    """Put what the first panel names, without shadows, above all panels of a picture [inches]."""
+    handles, labels = picture.axes[0].get_legend_handles_labels()
+    wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
+    picture.legend(
+        [handles[k] for k in wanted],
+        [labels[k] for k in wanted],
+        loc="upper left",
+        bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
+        ncols=4,
+        frameon=False,
+        fontsize=SMALL,
+    )
+
+
 def titled(result: Result, width: float, height: float) -> Figure:
     """Return an empty figure [inches] with the title of the case, if it has one."""
     picture = figure(width, height)

@@ -9,7 +9,8 @@ from typing import ClassVar
 import numpy as np
 
 from viscorod.checks import checked
-from viscorod.results.followed_modes import FollowedModes, Variables
+from viscorod.results.followed_modes import FollowedModes
+from viscorod.results.stateless_result import Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 

@@ -2,27 +2,20 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
+from abc import abstractmethod
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
-from viscorod.errors import InputError
+from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 __all__ = ["FollowedModes", "Limit", "Meeting"]
-
-Variables = dict[str, tuple[tuple[str, ...], str, str]]
-"""Name -> dimensions, unit and long name."""
 
 
 @dataclass(frozen=True)
@@ -60,33 +53,14 @@ class Meeting:
     gap: float
 
 
-class FollowedModes:
+class FollowedModes(StatelessResult):
     """Modes followed along a parameter; ``data`` is an ``xarray.Dataset``."""
 
-    kind: ClassVar[str]
-    picture: ClassVar[str]
-    what: ClassVar[str]
-    """In words, as in "this data set is no ..."."""
     along: ClassVar[str]
     """The dimension of the parameter."""
     unit: ClassVar[str]
     more: ClassVar[Variables] = {}
     """Variables beside those of all."""
-
-    def __init__(self, data: xr.Dataset) -> None:
-        known = self.variables()
-        missing = [name for name in known if name not in data.variables]
-        if data.attrs.get("kind") != self.kind or missing:
-            raise InputError(
-                f"this data set is no {self.what} of viscorod: {', '.join(missing) or 'it is of another kind'}"
-            )
-        for name, (dims, unit, text) in known.items():
-            if data[name].dims != dims:
-                raise InputError(f"this data set is no {self.what} of viscorod: {name} has other dimensions")
-            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
-            if data[name].dtype.kind == "f" and not np.isfinite(data[name].values).all():
-                raise InputError(f"this data set is no {self.what} of viscorod: {name} is not finite")
-        self.data = data
 
     @classmethod
     def variables(cls) -> Variables:
@@ -117,16 +91,6 @@ class FollowedModes:
             "meeting_frequency": (("meeting",), "Hz", "there"),
             "meeting_gap": (("meeting",), "Hz", "least distance that was seen"),
         } | cls.more
-
-    @property
-    def title(self) -> str:
-        """Title of the case, empty if it has none."""
-        return str(self.data.attrs.get("title", ""))
-
-    @property
-    def outcome(self) -> str:
-        """How it ended, "completed"."""
-        return str(self.data.attrs.get("outcome", ""))
 
     @property
     def values(self) -> Floats:
@@ -192,11 +156,6 @@ class FollowedModes:
             for k, pair in enumerate(np.asarray(data["meeting_modes"].values).reshape(-1, 2))
         ]
 
-    @property
-    def warnings(self) -> list[str]:
-        """What the result says against itself, in sentences."""
-        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
-
     def report(self) -> str:
         """Return a report: modes at both ends, limits, crossings and veerings, warnings."""
         return "\n\n".join(block for block in (*self._blocks(), self._meetings(), self._warnings()) if block)
@@ -204,8 +163,9 @@ class FollowedModes:
     def _blocks(self) -> list[str]:
         return [self._heading(), self._modes(), self._limits()]
 
+    @abstractmethod
     def _heading(self) -> str:
-        raise NotImplementedError
+        """Return the first line, after the title."""
 
     def _modes(self) -> str:
         f, d = self.frequencies, self.damping_ratios
@@ -273,13 +233,6 @@ class FollowedModes:
         return "\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]) if self.warnings else ""
 
     @checked
-    def save(self, path: str | Path) -> Path:
-        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
-        from viscorod.results.files.storage import write
-
-        return write(self.data, path)
-
-    @checked
     def save_csv(self, path: str | Path) -> Path:
         """Write frequencies and damping ratios of all modes over the parameter as a table; returns the path."""
         from viscorod.results.files.csv_text import write
@@ -294,6 +247,3 @@ class FollowedModes:
             found[f"{name}: damping ratio"] = self.damping_ratios[:, k]
             found[f"{name}: growth [1/s]"] = self.eigenvalues[:, k].real
         return found
-
-    def __reduce__(self) -> tuple[Callable[[xr.Dataset], Self], tuple[xr.Dataset]]:
-        return type(self), (self.data,)

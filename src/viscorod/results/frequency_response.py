@@ -3,25 +3,22 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
+from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 __all__ = ["FrequencyResponse"]
 
-VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+VARIABLES: Variables = {
     "frequency": (("frequency",), "Hz", "frequency of the harmonic motion"),
     "input": (("input",), "", "what drives the model"),
     "output": (("output",), "", "what is read"),
@@ -44,7 +41,7 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
 """Name -> dimensions, unit and long name of every variable; all are always there."""
 
 
-class FrequencyResponse:
+class FrequencyResponse(StatelessResult):
     """Responses of a model to harmonic inputs about a state: output over input at every frequency.
 
     ``data`` is an ``xarray.Dataset`` with the real and imaginary parts of ``response`` by ``frequency`` [Hz],
@@ -55,32 +52,10 @@ class FrequencyResponse:
     picture: ClassVar[str] = "bode"
     what: ClassVar[str] = "frequency response"
 
-    def __init__(self, data: xr.Dataset) -> None:
-        missing = [name for name in VARIABLES if name not in data.variables]
-        if data.attrs.get("kind") != self.kind or missing:
-            raise InputError(
-                f"this data set is no frequency response of viscorod: {', '.join(missing) or 'it is of another kind'}"
-            )
-        for name, (dims, unit, text) in VARIABLES.items():
-            if data[name].dims != dims:
-                raise InputError(
-                    f"this data set is no frequency response of viscorod: {name} has other dimensions"
-                )
-            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
-        for name in ("frequency", "response", "pole", "residue"):
-            if not np.isfinite(data[name].values).all():
-                raise InputError(f"this data set is no frequency response of viscorod: {name} is not finite")
-        self.data = data
-
-    @property
-    def title(self) -> str:
-        """Title of the case, empty if it has none."""
-        return str(self.data.attrs.get("title", ""))
-
-    @property
-    def outcome(self) -> str:
-        """The word "completed", or "interrupted" if it was stopped before the highest frequency."""
-        return str(self.data.attrs.get("outcome", "completed"))
+    @classmethod
+    def variables(cls) -> Variables:
+        """See :class:`StatelessResult`."""
+        return VARIABLES
 
     @property
     def frequencies(self) -> Floats:
@@ -125,11 +100,6 @@ class FrequencyResponse:
     def moduli(self) -> list[str]:
         """Which complex moduli are not those of the law that motions are computed with, in sentences."""
         return [str(text) for text in json.loads(self.data.attrs.get("moduli_from", "[]"))]
-
-    @property
-    def warnings(self) -> list[str]:
-        """What the result says against itself, in sentences."""
-        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
 
     @checked
     def response(self, output: str | int = 0, source: str | int = 0) -> np.ndarray:
@@ -228,13 +198,6 @@ class FrequencyResponse:
         return table(f"{title}: peaks, and damping ratios by three ways", header, rows)
 
     @checked
-    def save(self, path: str | Path) -> Path:
-        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
-        from viscorod.results.files.storage import write
-
-        return write(self.data, path)
-
-    @checked
     def plot(self, path: str | Path, kind: str = "bode") -> Path:
         """Draw the responses.
 
@@ -261,6 +224,3 @@ class FrequencyResponse:
         if isinstance(given, int | np.integer) and -len(known) <= given < len(known):
             return int(given) % len(known)
         raise InputError(f"{what} = {given!r}: this response has {', '.join(map(repr, known))}")
-
-    def __reduce__(self) -> tuple[Callable[[xr.Dataset], FrequencyResponse], tuple[xr.Dataset]]:
-        return type(self), (self.data,)

@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-import json
-from collections.abc import Callable
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["NO_INPUT", "Periodic"]
 
 NO_INPUT = "none"
 """The input of free vibrations in the data set."""
 
-VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
+VARIABLES: Variables = {
     "frequency": (("point",), "Hz", "frequency of the motion"),
     "level": (("point",), "1", "factor of all amplitudes of the inputs"),
     "input": (("input",), "", "what drives the model"),
@@ -64,24 +60,11 @@ VARIABLES: dict[str, tuple[tuple[str, ...], str, str]] = {
     "tail": (("point",), "1", "size of the highest two harmonics over that of all"),
 }
 """Name -> dimensions, unit and long name of every variable; all are always there."""
-NUMBERS = (
-    "frequency",
-    "level",
-    "coefficient",
-    "drive",
-    "conjugate",
-    "work",
-    "loss",
-    "damping_ratio",
-    "multiplier",
-    "tail",
-)
-"""Variables that have to be finite."""
 FINE = 400
 """Instants of a cycle at which the extremes of an output are sought."""
 
 
-class Periodic:
+class Periodic(StatelessResult):
     """Periodic motions along a curve over frequency or level.
 
     ``data`` is an ``xarray.Dataset`` by ``point`` of the curve, ``output`` and ``input`` (SI units).
@@ -91,27 +74,10 @@ class Periodic:
     picture: ClassVar[str] = "amplitude"
     what: ClassVar[str] = "curve of periodic motions"
 
-    def __init__(self, data: xr.Dataset) -> None:
-        missing = [name for name in VARIABLES if name not in data.variables]
-        if data.attrs.get("kind") != self.kind or missing:
-            raise InputError(
-                f"this data set has no periodic motions of viscorod: {', '.join(missing) or 'it is of another kind'}"
-            )
-        for name, (dims, unit, text) in VARIABLES.items():
-            if data[name].dims != dims:
-                raise InputError(
-                    f"this data set has no periodic motions of viscorod: {name} has other dimensions"
-                )
-            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
-        for name in NUMBERS:
-            if not np.isfinite(data[name].values).all():
-                raise InputError(f"this data set has no periodic motions of viscorod: {name} is not finite")
-        self.data = data
-
-    @property
-    def title(self) -> str:
-        """Title of the case, empty if it has none."""
-        return str(self.data.attrs.get("title", ""))
+    @classmethod
+    def variables(cls) -> Variables:
+        """See :class:`StatelessResult`."""
+        return VARIABLES
 
     @property
     def outcome(self) -> str:
@@ -194,11 +160,6 @@ class Periodic:
         """
         kinds = [str(word) for word in self.data["bifurcation"].values]
         return [(k, word) for k, word in enumerate(kinds) if word]
-
-    @property
-    def warnings(self) -> list[str]:
-        """What the result says against itself, in sentences."""
-        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
 
     @checked
     def harmonics(self, output: str | int = 0) -> np.ndarray:
@@ -351,13 +312,6 @@ class Periodic:
         return table("Free vibrations", header, rows)
 
     @checked
-    def save(self, path: str | Path) -> Path:
-        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
-        from viscorod.results.files.storage import write
-
-        return write(self.data, path)
-
-    @checked
     def save_csv(self, path: str | Path) -> Path:
         """Write frequencies, levels, amplitudes, energies and stability as a table, a row for each motion.
 
@@ -426,6 +380,3 @@ class Periodic:
         if isinstance(given, int | np.integer) and -len(known) <= given < len(known):
             return int(given) % len(known)
         raise InputError(f"{what} = {given!r}: these motions have {', '.join(map(repr, known))}")
-
-    def __reduce__(self) -> tuple[Callable[[xr.Dataset], Periodic], tuple[xr.Dataset]]:
-        return type(self), (self.data,)

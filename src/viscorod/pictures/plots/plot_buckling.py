@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
-from viscorod.pictures.style import BLUE, GREY, SMALL, titled
+from viscorod.pictures.style import BLUE, GREY, SMALL, legend_of_all, titled
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -54,15 +54,5 @@ def draw_buckling(result: Buckling, count: int | None = None) -> Figure:
         mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)
         view.finish(axes)
-    handles, labels = picture.axes[0].get_legend_handles_labels()
-    wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
-    picture.legend(
-        [handles[k] for k in wanted],
-        [labels[k] for k in wanted],
-        loc="upper left",
-        bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
-        ncols=4,
-        frameon=False,
-        fontsize=SMALL,
-    )
+    legend_of_all(picture, height)
     return picture

@@ -1,0 +1,81 @@
+"""What results have in common of which no states of the model are kept: curves and tables of numbers."""
+
+from __future__ import annotations
+
+import json
+from abc import ABC, abstractmethod
+from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING, ClassVar, Self
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import InputError
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["StatelessResult", "Variables"]
+
+Variables = dict[str, tuple[tuple[str, ...], str, str]]
+"""Name -> dimensions, unit and long name."""
+
+
+class StatelessResult(ABC):
+    """An ``xarray.Dataset`` whose variables are all known, ``data``."""
+
+    kind: ClassVar[str]
+    picture: ClassVar[str]
+    """Name of the picture of it all."""
+    what: ClassVar[str]
+    """In words, as in "this data set is no ..."."""
+
+    def __init__(self, data: xr.Dataset) -> None:
+        known = self.variables()
+        missing = [name for name in known if name not in data.variables]
+        if data.attrs.get("kind") != self.kind or missing:
+            raise InputError(
+                f"this data set is no {self.what} of viscorod: {', '.join(missing) or 'it is of another kind'}"
+            )
+        for name, (dims, unit, text) in known.items():
+            if data[name].dims != dims:
+                raise InputError(f"this data set is no {self.what} of viscorod: {name} has other dimensions")
+            data[name].attrs.update({"units": unit, "long_name": text} if unit else {"long_name": text})
+            if data[name].dtype.kind == "f" and not np.isfinite(data[name].values).all():
+                raise InputError(f"this data set is no {self.what} of viscorod: {name} is not finite")
+        self.data = data
+
+    @classmethod
+    @abstractmethod
+    def variables(cls) -> Variables:
+        """Return the dimensions, units and long names of all variables; all are always there."""
+
+    @abstractmethod
+    def report(self) -> str:
+        """Return a report in words and numbers."""
+
+    @property
+    def title(self) -> str:
+        """Title of the case, empty if it has none."""
+        return str(self.data.attrs.get("title", ""))
+
+    @property
+    def outcome(self) -> str:
+        """How it ended: "completed", or a word for what ended it before."""
+        return str(self.data.attrs.get("outcome", "completed"))
+
+    @property
+    def warnings(self) -> list[str]:
+        """What the result says against itself, in sentences."""
+        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
+
+    @checked
+    def save(self, path: str | Path) -> Path:
+        """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
+        from viscorod.results.files.storage import write
+
+        return write(self.data, path)
+
+    def __reduce__(self) -> tuple[Callable[[xr.Dataset], Self], tuple[xr.Dataset]]:
+        return type(self), (self.data,)
