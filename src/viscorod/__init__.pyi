@@ -82,6 +82,7 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .records.free_decay import decay as decay
 from .records.motion_record import Record as Record
 from .records.other_records import ModesRecord as ModesRecord
 from .records.other_records import ModuliRecord as ModuliRecord
@@ -91,6 +92,7 @@ from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
+from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
