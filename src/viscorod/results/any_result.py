@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.master_curve_result import MasterCurve
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         | Stability
         | Periodic
         | Decay
+        | MasterCurve
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -44,6 +46,7 @@ KINDS = {
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
     "decay": ("decay_result", "Decay"),
+    "master_curve": ("master_curve_result", "MasterCurve"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""
 

@@ -7,6 +7,7 @@ import typer
 from viscorod.cli.damping_commands.blade_command import blade
 from viscorod.cli.damping_commands.convert_command import convert
 from viscorod.cli.damping_commands.decay_command import decay
+from viscorod.cli.damping_commands.master_command import master
 from viscorod.cli.damping_commands.program_commands import from_program, programs
 
 __all__ = ["app"]
@@ -21,3 +22,4 @@ app.command()(programs)
 app.command("from")(from_program)
 app.command()(blade)
 app.command()(decay)
+app.command()(master)
