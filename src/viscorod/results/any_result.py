@@ -11,6 +11,7 @@ if TYPE_CHECKING:
     from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.identification import Identification
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -18,7 +19,16 @@ if TYPE_CHECKING:
     from viscorod.results.steady_result import Steady
 
     AnyResult: TypeAlias = (
-        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability | Periodic
+        Run
+        | Equilibrium
+        | Steady
+        | Modes
+        | Buckling
+        | FrequencyResponse
+        | Campbell
+        | Stability
+        | Periodic
+        | Identification
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -33,6 +43,7 @@ KINDS = {
     "campbell": ("campbell", "Campbell"),
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
+    "identification": ("identification", "Identification"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""
 
