@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
@@ -30,6 +30,8 @@ from viscorod.typing import Floats
 
 __all__ = ["Fitted", "fitted", "identify"]
 
+HELD_WITHIN = 1e-9
+"""Distance between bounds, in logarithms, of a number that a profile holds."""
 Pairs = Sequence[tuple[Case, Any]]
 
 
@@ -72,26 +74,28 @@ def identify(
 ) -> Identification:
     """Find numbers of cases so that they predict what was measured, with intervals.
 
-    The unknowns minimise the sum of squares of measured less predicted values over their noise, which is estimated from what
-    is left; the residuals of regular histories may be correlated in time (an autoregression, feasible generalised least
-    squares). Positive numbers are sought by their logarithms. Rods keep the mesh that they have at the start.
+    The unknowns minimise the sum of squares of measured less predicted values over their noise, which is estimated
+    from what is left; the residuals of regular histories may be correlated in time (an autoregression, feasible
+    generalised least squares). Positive numbers are sought by their logarithms. Rods keep the mesh that they have
+    at the start.
 
     Args:
         case: a case whose analysis gives what was measured; or a list of pairs (case, record or records), where several
             cases share parameters.
         records: of the one case: a record, or several.
-        parameters: key of a number of the cases -> its start, ``(low, start, high)``, or None for what the case has; or a
-            list of keys. "a, b" are two numbers that are equal. Keys are those of the case file, as in `sweep`.
+        parameters: key of a number of the cases -> its start, ``(low, start, high)``, or None for what the case
+            has; or a list of keys. "a, b" are two numbers that are equal. Keys are those of the case file, as in
+            `sweep`.
         nuisances: the same for numbers that are not wanted but not known either: more keys of the case, or the names of
-            unknowns of records ("tip.release_time", or "release_time" of all records) where another start or bounds than
-            theirs are wanted. Unknowns of records are always fitted.
+            unknowns of records ("tip.release_time", or "release_time" of all records) where another start or
+            bounds than theirs are wanted. Unknowns of records are always fitted.
         starts: how many starts are tried; those after the first are spread between the bounds, or within a factor of
             ten.
         robust: let residuals beyond 1.35 standard deviations count less (Huber).
         coloured: whether the noise of regular histories may be correlated in time.
         level: probability of the intervals.
-        profile: check Laplace's intervals by the sum of squares at their ends, and take the profile likelihood where they
-            are skewed.
+        profile: check Laplace's intervals by the sum of squares at their ends, and take the profile likelihood
+            where they are skewed.
         seed: of the further starts.
         report: called with a sentence after every search.
 
@@ -125,7 +129,9 @@ def identify(
         for case_found, own in zip(cases[:1], hertz[:1], strict=True)
         for one in combinations(case_found, found.unknowns, found.estimate.z, found.known, own, level)
     ]
-    programs, no_programs = in_programs(cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level)
+    programs, no_programs = in_programs(
+        cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
+    )
     sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
     attrs = {
         "title": cases[0].title,
@@ -227,7 +233,9 @@ def fitted(
 def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
     best, unknowns = found.estimate, found.unknowns
     beliefs = [row for row, one in enumerate(best.noise.series) if one.certain]
-    numbers = [unknowns.names.index(best.noise.series[row].label.removesuffix(" beforehand")) for row in beliefs]
+    numbers = [
+        unknowns.names.index(best.noise.series[row].label.removesuffix(" beforehand")) for row in beliefs
+    ]
     scaled = Scaled(CasePredictions(found.members, unknowns, numbers), unknowns)
 
     def square(z: Floats) -> float:
@@ -236,7 +244,7 @@ def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
 
     def profiled(k: int, value: float, start: Floats) -> tuple[float, Floats]:
         low, high = (bound.copy() for bound in unknowns.bounds)
-        low[k], high[k] = value - 1e-9, value + 1e-9
+        low[k], high[k] = value - HELD_WITHIN, value + HELD_WITHIN
         begin = np.where(np.arange(len(start)) == k, value, start)
         z = searched(scaled, best.measured, best.noise, (low, high), begin, unknowns.start)
         return square(z), z
@@ -247,5 +255,3 @@ def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
         return intervals(best, found.known, level, square, profiled)
     except (SolveError, InputError):  # the model cannot be computed that far away
         return intervals(best, found.known, level)
-
-

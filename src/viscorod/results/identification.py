@@ -30,8 +30,16 @@ VARIABLES: Variables = {
     "low_open": (("unknown",), "", "1 where nothing limits it from below"),
     "high_open": (("unknown",), "", "1 where nothing limits it from above"),
     "interval_by": (("unknown",), "", "how the interval was found"),
-    "covariance": (("unknown", "other_unknown"), "", "of the unknowns along what the data see, as standard errors"),
-    "unseen": (("direction", "unknown"), "", "directions that the data do not see, as powers of the unknowns"),
+    "covariance": (
+        ("unknown", "other_unknown"),
+        "",
+        "of the unknowns along what the data see, as standard errors",
+    ),
+    "unseen": (
+        ("direction", "unknown"),
+        "",
+        "directions that the data do not see, as powers of the unknowns",
+    ),
     "measured": (("value",), "", "what was measured, SI"),
     "predicted": (("value",), "", "what the fitted model says, SI"),
     "deviation": (("value",), "", "standard deviation of the noise of the value, SI"),
@@ -44,9 +52,17 @@ VARIABLES: Variables = {
     "noise_told": (("series",), "", "what was told of it, SI; 0 where nothing was"),
     "noise_order": (("series",), "1", "terms of the autoregression of the residuals"),
     "effective_count": (("series",), "1", "values that would tell as much if they were independent"),
-    "whiteness": (("series",), "1", "probability of such an autocorrelation of white residuals (Ljung and Box)"),
+    "whiteness": (
+        ("series",),
+        "1",
+        "probability of such an autocorrelation of white residuals (Ljung and Box)",
+    ),
     "at_signal": (("series",), "1", "part of the power of the residuals at the frequency of the record"),
-    "combination_value": (("combination",), "", "value of what the data tell of several unknowns together, SI"),
+    "combination_value": (
+        ("combination",),
+        "",
+        "value of what the data tell of several unknowns together, SI",
+    ),
     "combination_low": (("combination",), "", "lower end of its interval"),
     "combination_high": (("combination",), "", "upper end of its interval"),
     "law_unknowns": (("law",), "1", "numbers that were fitted in a law compared on the same data"),
@@ -58,6 +74,9 @@ VARIABLES: Variables = {
     "program_low": (("program_number",), "", "lower end of its interval"),
     "program_high": (("program_number",), "", "upper end of its interval"),
 }
+
+VERY_WIDE = 1e6
+"""Variance along what the data do not see, over the largest that they do."""
 
 
 @dataclass(frozen=True)
@@ -133,7 +152,9 @@ class Identification(StatelessResult):
         found = {}
         for k, name in enumerate(data["unknown"].values):
             relative = bool(data["relative"].values[k])
-            low = (0.0 if relative else -np.inf) if data["low_open"].values[k] else float(data["low"].values[k])
+            low = (
+                (0.0 if relative else -np.inf) if data["low_open"].values[k] else float(data["low"].values[k])
+            )
             high = np.inf if data["high_open"].values[k] else float(data["high"].values[k])
             how = str(data["interval_by"].values[k])
             found[str(name)] = Number(
@@ -155,16 +176,22 @@ class Identification(StatelessResult):
     @property
     def combinations(self) -> dict[str, Number]:
         """What the data tell of several unknowns together, by name."""
-        columns = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
+        values, low, high = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
         names = (name for name, _ in self.words("combinations"))
-        return {name: Number(name, *map(float, ends)) for name, *ends in zip(names, *columns, strict=True)}
+        return {
+            name: Number(name, float(value), float(below), float(above))
+            for name, value, below, above in zip(names, values, low, high, strict=True)
+        }
 
     @property
     def in_programs(self) -> dict[str, Number]:
         """The damping in the numbers of other programs, by program and number."""
-        columns = (self._values(f"program_{word}") for word in ("value", "low", "high"))
+        values, low, high = (self._values(f"program_{word}") for word in ("value", "low", "high"))
         names = self.words("program_numbers")
-        return {name: Number(name, *map(float, ends)) for name, *ends in zip(names, *columns, strict=True)}
+        return {
+            name: Number(name, float(value), float(below), float(above))
+            for name, value, below, above in zip(names, values, low, high, strict=True)
+        }
 
     @property
     def laws(self) -> list[Law]:
@@ -191,8 +218,9 @@ class Identification(StatelessResult):
 
     @property
     def correlation(self) -> Floats:
-        """Correlation of the unknowns ``(p, p)``."""
-        matrix = self._values("covariance")
+        """Correlation of the unknowns ``(p, p)``; directions that the data do not see count as very wide ones."""
+        matrix, unseen = self._values("covariance"), self._values("unseen")
+        matrix = matrix + VERY_WIDE * max(float(np.abs(matrix).max(initial=0.0)), 1.0) * unseen.T @ unseen
         size = np.sqrt(np.diag(matrix))
         size = np.where(size > 0.0, size, 1.0)
         return np.asarray(matrix / np.outer(size, size))
@@ -260,7 +288,7 @@ class Identification(StatelessResult):
         """
         from viscorod.pictures.identification_page import write_page
 
-        return write_page(self, path)
+        return write_page(self, Path(path))
 
     def _values(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)

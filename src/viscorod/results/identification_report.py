@@ -18,19 +18,23 @@ def identification_report(fit: Identification) -> str:
     """Return the report: numbers, what the data tell together, residuals, laws, programs, sentences."""
     data = fit.data
     heading = f"{fit.title + chr(10) if fit.title else ''}Identification from {data.sizes['value']} values"
-    heading += f" in {data.sizes['series']} series, {fit.data.attrs['evaluations']} evaluations besides those of derivatives"
+    heading += (
+        f" in {data.sizes['series']} series; {fit.data.attrs['evaluations']} evaluations and derivatives"
+    )
     starts = int(fit.data.attrs["starts"])
     if starts > 1:
         heading += f"\n{fit.data.attrs['agreeing_starts']} of {starts} starts ended in this minimum"
-    blocks = [heading, _numbers(fit, f"Numbers of the model, intervals of {fit.level:.0%}", fit.parameters)]
+    blocks = [heading, _numbers(f"Numbers of the model, intervals of {fit.level:.0%}", fit.parameters)]
     if fit.nuisances:
-        blocks.append(_numbers(fit, "Numbers of the measurement", fit.nuisances))
+        blocks.append(_numbers("Numbers of the measurement", fit.nuisances))
     if fit.combinations:
         rows = [
             [name, f"{one.value:.5g}", *limits_text(one), fit.units[name]]
             for name, one in fit.combinations.items()
         ]
-        blocks.append(table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows))
+        blocks.append(
+            table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows)
+        )
     if fit.sentences:
         blocks.append("\n".join(["What to know", *(f"  - {text}" for text in fit.sentences)]))
     blocks.append(_residuals(fit))
@@ -38,7 +42,9 @@ def identification_report(fit: Identification) -> str:
         blocks.append(_laws(fit))
     if fit.in_programs:
         rows = [[name, f"{one.value:.5g}", *limits_text(one)] for name, one in fit.in_programs.items()]
-        blocks.append(table("The damping in the numbers of other programs", ["", "value", "low", "high"], rows))
+        blocks.append(
+            table("The damping in the numbers of other programs", ["", "value", "low", "high"], rows)
+        )
     if fit.warnings:
         blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in fit.warnings)]))
     return "\n\n".join(blocks)
@@ -50,7 +56,7 @@ def limits_text(one: Number) -> tuple[str, str]:
     return low, "infinite" if one.high == np.inf else f"{one.high:.5g}"
 
 
-def _numbers(fit: Identification, title: str, numbers: dict[str, Number]) -> str:
+def _numbers(title: str, numbers: dict[str, Number]) -> str:
     rows = [
         [
             name,

@@ -54,7 +54,9 @@ def number_at(case: Case, name: str) -> float | None:
             found = [one for one in case.conversions if one.where == key]
             value = found[0].value if found else value
         if isinstance(value, bool) or not isinstance(value, int | float):
-            raise InputError(Fault(key, show(value), "this is not one number", "name one, as in loads[0].value[1]"))
+            raise InputError(
+                Fault(key, show(value), "this is not one number", "name one, as in loads[0].value[1]")
+            )
         return float(value)
     return None
 

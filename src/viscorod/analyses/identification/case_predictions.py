@@ -24,13 +24,15 @@ ONE_SIDED = 3e-4
 class CasePredictions:
     """Predictions of all records by all unknowns, and of what was believed beforehand.
 
-    Derivatives by numbers of a case are central differences of results on one mesh; those by numbers of a measurement need
-    no further result.
+    Derivatives by numbers of a case are central differences of results on one mesh; those by numbers of a
+    measurement need no further result.
     """
 
     accuracy = ACCURACY
 
-    def __init__(self, members: Sequence[Member], unknowns: Sequence[Unknown], believed: Sequence[int]) -> None:
+    def __init__(
+        self, members: Sequence[Member], unknowns: Sequence[Unknown], believed: Sequence[int]
+    ) -> None:
         self._members, self._unknowns, self._believed = members, unknowns, list(believed)
         of_records = {full for one in members for record in one.records for full in _own(record)}
         self._of_case = [one.name not in of_records for one in unknowns]

@@ -117,14 +117,17 @@ def _places(found: Fitted) -> Iterator[tuple[Floats, str]]:
             else:
                 numbers = np.arange(1.0, count + 1.0)
                 if record.analysis == "modes":
-                    numbers = np.tile(np.arange(1.0, len(record.frequencies) + 1.0), count // len(record.frequencies))
+                    numbers = np.tile(
+                        np.arange(1.0, len(record.frequencies) + 1.0), count // len(record.frequencies)
+                    )
                 yield numbers, ""
 
 
 def _of_series(found: Fitted) -> dict[str, Any]:
     best = found.estimate
     pairs = list(zip(best.noise.series, best.noise.found, strict=True))
-    units, begin = {}, 0
+    units: dict[int, str] = {}
+    begin = 0
     for at, unit in _places(found):
         units |= dict.fromkeys(range(begin, begin + len(at)), unit)
         begin += len(at)
@@ -133,7 +136,9 @@ def _of_series(found: Fitted) -> dict[str, Any]:
         "series": _words(series.label for series, _ in pairs),
         "place_unit": _words(units.get(series.rows.start, "") for series, _ in pairs),
         "noise": _floats(noise.factor * size for (_, noise), size in zip(pairs, typical, strict=True)),
-        "noise_told": _floats(size if series.told else 0.0 for (series, _), size in zip(pairs, typical, strict=True)),
+        "noise_told": _floats(
+            size if series.told else 0.0 for (series, _), size in zip(pairs, typical, strict=True)
+        ),
         "noise_order": _floats(len(noise.terms) for _, noise in pairs),
         "effective_count": _floats(series.count * noise.effective_part for series, noise in pairs),
         "whiteness": _floats(whiteness(best, best.residuals)),

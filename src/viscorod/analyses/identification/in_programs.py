@@ -29,8 +29,8 @@ def in_programs(
 ) -> tuple[list[Combination], list[str]]:
     """Return the damping inputs of other programs for the first rod of a case, and sentences on what was done for them.
 
-    Maxwell branches, which other programs do not have, are replaced by the one time that has the same loss factor at the
-    frequency of the record.
+    Maxwell branches, which other programs do not have, are replaced by the one time that has the same loss factor
+    at the frequency of the record.
     """
     mine = [k for k, one in enumerate(unknowns) if number_at(case, one.name) is not None]
     notes: list[str] = []

@@ -75,7 +75,9 @@ class Member:
     def __post_init__(self) -> None:
         if type(self.case.settings) not in ON_MESH:
             words = "simulate, equilibrium, path, steady, modes or response"
-            raise InputError(Fault("case", self.case.kind, "records are not compared with this", f"use {words}"))
+            raise InputError(
+                Fault("case", self.case.kind, "records are not compared with this", f"use {words}")
+            )
         self.case = replace(self.case, settings=self._settled())
 
     def result(self, values: Mapping[str, float]) -> AnyResult:

@@ -51,6 +51,10 @@ def numbers_of_case(case: Case, frequencies: Sequence[float]) -> Named:
     """
     found: Named = {}
     for name, rod in case.description.rods.items():
+        if isinstance(
+            rod.material, Material
+        ):  # the simplest words first: others of the same direction are left out
+            found |= _of_material(rod.material, name, frequencies)
         stiffness, damping, inertia = rod.matrices_at(0.0)
         mass = float(inertia[0, 0])
         for word, k, unit in (
@@ -61,18 +65,22 @@ def numbers_of_case(case: Case, frequencies: Sequence[float]) -> Named:
         ):
             found[f"{word} of {name}"] = (float(stiffness[k, k]), unit)
         found[f"mass per length of {name}"] = (mass, "kg/m")
-        for word, k in (("bending stiffness about d1", 3), ("bending stiffness about d2", 4), ("torsional stiffness", 5)):
+        for word, k in (
+            ("bending stiffness about d1", 3),
+            ("bending stiffness about d2", 4),
+            ("torsional stiffness", 5),
+        ):
             found[f"{word} over mass per length of {name}"] = (float(stiffness[k, k]) / mass, "m^4/s^2")
-        if isinstance(rod.material, Material):
-            found |= _of_material(rod.material, name, frequencies)
-        elif np.any(damping):
+        if not isinstance(rod.material, Material) and np.any(damping):
             found[f"bending time of {name}"] = (float(damping[3, 3] / stiffness[3, 3]), "s")
             found[f"torsional time of {name}"] = (float(damping[5, 5] / stiffness[5, 5]), "s")
     return {name: pair for name, pair in found.items() if np.isfinite(pair[0]) and pair[0] > 0.0}
 
 
 def _of_material(material: Material, name: str, frequencies: Sequence[float]) -> Named:
-    found: Named = {"speed of sound in " + name: (float(np.sqrt(material.youngs_modulus / material.density)), "m/s")}
+    found: Named = {
+        "speed of sound in " + name: (float(np.sqrt(material.youngs_modulus / material.density)), "m/s")
+    }
     if not material.branches:
         found |= {
             f"extensional time of {name}": (material.extensional_time, "s"),
@@ -109,7 +117,9 @@ def combinations(
 
     def numbers(at: Floats) -> Named:
         values = unknowns.values(at)
-        return numbers_of_case(case_with(case, {unknowns[k].name: float(values[k]) for k in mine}), frequencies)
+        return numbers_of_case(
+            case_with(case, {unknowns[k].name: float(values[k]) for k in mine}), frequencies
+        )
 
     centre = numbers(z)
     slopes = {name: np.zeros(len(z)) for name in centre}
@@ -133,7 +143,10 @@ def _told(centre: Named, slopes: Mapping[str, Floats], known: Covariance, level:
         k = int(np.argmax(np.abs(direction)))
         if abs(direction[k]) > ALONE and known.told(np.eye(len(gradient))[k]):
             continue
-        if any(min(np.abs(direction - other).max(), np.abs(direction + other).max()) < SAME for other in directions):
+        if any(
+            min(np.abs(direction - other).max(), np.abs(direction + other).max()) < SAME
+            for other in directions
+        ):
             continue
         directions.append(direction)
         reach = float(stats.t.ppf(0.5 + level / 2.0, known.freedom_of(gradient))) * known.deviation(gradient)

@@ -88,7 +88,11 @@ def _range(name: str, given: Range, start: float | None) -> tuple[float, float, 
         values = [start]
     numbers = [v for v in values if isinstance(v, int | float | np.number) and not isinstance(v, bool)]
     if len(numbers) != len(values) or len(values) not in (1, 3) or not np.isfinite(numbers[len(values) // 2]):
-        why = "a start, or low, start and high are needed" if given is not None else "the case has no number there"
+        why = (
+            "a start, or low, start and high are needed"
+            if given is not None
+            else "the case has no number there"
+        )
         raise InputError(Fault(name, show(given), why, "give 0.02, or (0.001, 0.02, 0.5)"))
     low, middle, high = (-np.inf, numbers[0], np.inf) if len(numbers) == 1 else numbers
     if not low <= middle <= high or low == high:
@@ -119,7 +123,9 @@ def _of_measurement(members: Sequence[Member], name: str, one: Any, span: float,
     return Unknown(name, float(start), float(low), float(high), nuisance=True)
 
 
-def series_of(members: Sequence[Member], unknowns: Unknowns, beliefs: Sequence[Belief]) -> tuple[Floats, list[Series]]:
+def series_of(
+    members: Sequence[Member], unknowns: Unknowns, beliefs: Sequence[Belief]
+) -> tuple[Floats, list[Series]]:
     """Return what was measured, then what was believed ``(n,)``, and the series of it."""
     series: list[Series] = []
     measured: list[Floats] = []
@@ -129,7 +135,11 @@ def series_of(members: Sequence[Member], unknowns: Unknowns, beliefs: Sequence[B
             observed = np.asarray(record.observed, dtype=float)
             for label, part, group, regular in _channels(record):
                 told = record.noise is not None
-                noise = record.noise[part] if told else _in_proportion(observed[part], relative=record.analysis == "modes")
+                noise = (
+                    record.noise[part]
+                    if told
+                    else _in_proportion(observed[part], relative=record.analysis == "modes")
+                )
                 rows = slice(begin + part.start, begin + part.stop)
                 series.append(Series(label, rows, regular, np.asarray(noise, dtype=float), told, group=group))
             measured.append(observed)

@@ -22,8 +22,8 @@ LARGER = 2.0
 PARTS = 0.15
 """Part of an unknown in a direction from which on it is named."""
 SIGNAL, MISSED = 0.25, 0.2
-"""Relative width of the band about the frequency of a record, and the part of the residuals' power there, above what noise
-of its colour would have, from which on the model misses part of the motion."""
+"""Relative width of the band about the frequency of a record, and the part of the residuals' power there, above
+what noise of its colour would have, from which on the model misses part of the motion."""
 
 
 def dominant_frequencies(members: Sequence[Member]) -> list[list[float]]:
@@ -89,11 +89,7 @@ def sentences_of(
             found.append(f"The data do not tell {parts[0]}: the predictions hardly depend on it.")
             continue
         mine = [names.index(part) for part in parts]
-        better = [
-            one
-            for one in told
-            if sum(abs(one.powers[k]) > 1e-3 for k in mine) > 1
-        ]
+        better = [one for one in told if sum(abs(one.powers[k]) > 1e-3 for k in mine) > 1]
         tells = "; ".join(
             f"the {one.name} can: {number_text(one.value, one.low, one.high, one.unit)}" for one in better[:3]
         )
@@ -123,17 +119,21 @@ def _of_residuals(best: Estimate) -> list[str]:
         larger = series.told and noise.factor > LARGER
         level = f"{noise.factor:.3g} times the noise that was told" if larger else ""
         if probability < CORRELATED:
-            text = f"What is left of {series.label} is correlated in time (probability {probability:.1g} if it were not)"
+            text = (
+                f"What is left of {series.label} is correlated in time (p = {probability:.1g} if it were not)"
+            )
             if share > MISSED or larger:
                 text += f", {100.0 * share:.0f} % of its power at the frequency of the record"
                 text += f" and {level}" if larger else ""
-                text += ": the model misses part of the motion. The intervals allow for it as if it were noise; they do not "
-                text += "hold for what the model leaves out."
+                text += ": the model misses part of the motion. The intervals allow for it as if it were noise; they "
+                text += "do not hold for what the model leaves out."
             else:
                 text += "; the intervals allow for it."
             found.append(text)
         elif larger:
-            found.append(f"What is left of {series.label} is {level}: the model misses something, or the noise is larger.")
+            found.append(
+                f"What is left of {series.label} is {level}: the model misses something, or the noise is larger."
+            )
     return found
 
 

@@ -19,4 +19,6 @@ def criteria(square: float, count: float, fitted: int) -> tuple[float, float]:
     """
     likelihood = count * float(np.log(max(square, 1e-300) / count))
     room = max(count - fitted - 1.0, 1.0)
-    return likelihood + 2.0 * fitted * (1.0 + (fitted + 1.0) / room), likelihood + fitted * float(np.log(count))
+    return likelihood + 2.0 * fitted * (1.0 + (fitted + 1.0) / room), likelihood + fitted * float(
+        np.log(count)
+    )

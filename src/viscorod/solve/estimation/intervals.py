@@ -1,10 +1,10 @@
 """How far unknowns may be from their estimates: covariance, intervals, and what the data cannot tell.
 
-The singular values of the whitened derivatives say which directions of the unknowns the data see. An unknown with a part
-in a direction that they do not see has an infinite interval. The others have Laplace's interval (the estimate and its
-standard error by the quantile of Student), checked by the sum of squares at its ends; where that is not what a parabola
-has there, the interval is that of the profile likelihood: all values for which the least sum of squares over the others
-exceeds the least of all by the squared quantile.
+The singular values of the whitened derivatives say which directions of the unknowns the data see. An unknown with
+a part in a direction that they do not see has an infinite interval. The others have Laplace's interval (the
+estimate and its standard error by the quantile of Student), checked by the sum of squares at its ends; where that
+is not what a parabola has there, the interval is that of the profile likelihood: all values for which the least
+sum of squares over the others exceeds the least of all by the squared quantile.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ import numpy as np
 from scipy import stats
 
 from viscorod.errors import InputError, SolveError
-from viscorod.solve.estimation.noise import LEAST_OWN
 from viscorod.solve.estimation.least_squares import Estimate, leverage
+from viscorod.solve.estimation.noise import LEAST_OWN
 from viscorod.typing import Floats
 
 __all__ = ["Covariance", "Interval", "covariance", "intervals", "profile_end"]
@@ -72,7 +72,7 @@ class Covariance:
 
     def deviation(self, gradient: Floats) -> float:
         """Return the standard error of a combination, along what is seen."""
-        return float(np.sqrt(max(gradient @ self.matrix @ gradient, 0.0)))
+        return float(np.sqrt(max(float(gradient @ self.matrix @ gradient), 0.0)))
 
     def freedom_of(self, gradient: Floats) -> float:
         """Return the degrees of freedom of a combination's standard error (Welch and Satterthwaite)."""
@@ -143,7 +143,7 @@ def intervals(
     """
     out = []
     low, high = found.unknowns.bounds
-    for k, unknown in enumerate(found.unknowns):
+    for k in range(len(found.z)):
         axis = np.eye(len(found.z))[k]
         reach = float(stats.t.ppf(0.5 + level / 2.0, known.freedom[k] or 1.0))
         if not known.told(axis):
@@ -210,7 +210,11 @@ def _far_end(
 
 
 def _skewed(
-    square: Callable[[Floats], float], found: Estimate, way: Floats, reach: float, bounds: tuple[Floats, Floats]
+    square: Callable[[Floats], float],
+    found: Estimate,
+    way: Floats,
+    reach: float,
+    bounds: tuple[Floats, Floats],
 ) -> bool:
     z = np.clip(found.z + reach * way, *bounds)
     try:
@@ -233,8 +237,8 @@ def profile_end(
     The root of the rise is nearly linear in the coordinate.
     """
     centre, least, start = float(found.z[k]), found.square, found.z
-    bounded = bound + (1e-9 if bound < centre else -1e-9) * abs(bound - centre)
-    place = np.clip(guess, min(bounded, centre), max(bounded, centre))
+    side = (min(bound, centre), max(bound, centre))
+    place = np.clip(guess, *side)
     last, height = centre, 0.0
     for _ in range(8):
         try:
@@ -250,7 +254,7 @@ def profile_end(
             place = centre + 2.0 * (place - centre)
         else:
             place = place + (reach - rise) / slope
-        place = np.clip(place, min(bounded, centre), max(bounded, centre))
+        place = np.clip(place, *side)
         if place == last:
             break
     return float(place)

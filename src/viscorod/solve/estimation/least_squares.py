@@ -1,7 +1,7 @@
 """Bounded nonlinear least squares with noise that is estimated on the way.
 
-SciPy's trust-region reflective Gauss-Newton seeks the unknowns; what is left gives the size and the colour of the noise;
-by these the values are weighted anew and the search goes on from where it was, until neither changes (feasible
+SciPy's trust-region reflective Gauss-Newton seeks the unknowns; what is left gives the size and the colour of the
+noise; by these the values are weighted anew and the search goes on from where it was, until neither changes (feasible
 generalised least squares).
 """
 
@@ -138,7 +138,7 @@ def estimate(
         SolveError: no start can be evaluated.
     """
     scaled = Scaled(predictions, unknowns)
-    first = _first_noise(series, measured)
+    first = _first_noise(series)
     found: list[tuple[float, Floats]] = []
     failed: SolveError | None = None
     for number, start in enumerate(_starts(unknowns, starts, seed)):
@@ -171,7 +171,7 @@ def _weighted(
     coloured: bool,
 ) -> Estimate:
     """Estimate the noise and seek again from z, until both agree."""
-    noise = _first_noise(series, measured)
+    noise = _first_noise(series)
     predicted, slopes = scaled.values(z), scaled.jacobian(z)
     for _ in range(ROUNDS):
         used = leverage(noise.whitened(slopes))
@@ -245,7 +245,10 @@ def searched(
     def residual(steps: Floats) -> Floats:
         try:
             white = noise.whitened(scaled.values(origin + steps) - measured)
-        except (SolveError, InputError):  # there is no solution there: too far, the search takes a smaller step
+        except (
+            SolveError,
+            InputError,
+        ):  # there is no solution there: too far, the search takes a smaller step
             white = refused
         return np.append(white, HELD * (origin + steps - held))
 
@@ -270,7 +273,7 @@ def searched(
     return np.asarray(origin + found.x)
 
 
-def _first_noise(series: Sequence[Series], measured: Floats) -> Noise:
+def _first_noise(series: Sequence[Series]) -> Noise:
     """Return the noise before anything is known of it: as it was told, or a part of the values' spread."""
     return Noise(tuple(series), tuple(SeriesNoise(1.0) for _ in series))
 

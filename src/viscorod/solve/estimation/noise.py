@@ -1,7 +1,8 @@
 """The noise of measured values, from what a fit leaves: its size in every series, and how it goes with itself in time.
 
-A series is what one channel of one record gave. Regular histories may have coloured noise: residuals are described by an
-autoregression, r_t = sum a_i r_(t-i) + e_t, whose order the Bayesian information criterion chooses (Burg's method; P. J.
+A series is what one channel of one record gave. Regular histories may have coloured noise: residuals are described
+by an autoregression, r_t = sum a_i r_(t-i) + e_t, whose order the Bayesian information criterion chooses (Burg's
+method; P. J.
 Brockwell and R. A. Davis, Time Series: Theory and Methods, 1991, sections 8.2 and 9.3). Values are then whitened by it,
 and all that follows (estimates, covariances, intervals) is generalised least squares.
 """
@@ -105,8 +106,7 @@ class Noise:
     def effective_count(self) -> float:
         """Effective number of values of all series."""
         return sum(
-            noise.effective_part * series.count
-            for series, noise in zip(self.series, self.found, strict=True)
+            noise.effective_part * series.count for series, noise in zip(self.series, self.found, strict=True)
         )
 
 
@@ -204,7 +204,7 @@ def noise_of(
             factor = float(np.sqrt(part @ part / free))
         terms, innovation = np.zeros(0), 1.0
         if coloured and one.regular:
-            terms, innovation = _autoregression(part if weights is None else part * np.sqrt(weights))
+            terms, innovation = _autoregression(part if weights is None else part * weights)
         if len(terms):
             whole = SeriesNoise(1.0, terms, innovation, weights)
             white = Noise([one], [whole]).whitened(residuals)[one.rows]

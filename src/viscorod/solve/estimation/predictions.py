@@ -19,7 +19,7 @@ class Predictions(Protocol):
         """Return the values ``(n,)``."""
 
     def jacobian(self, unknowns: Floats, *, rough: bool = False) -> Floats:
-        """Return the derivatives of the values by the unknowns ``(n, p)``; rough ones, if that is cheaper, in a search."""
+        """Return the derivatives of the values by the unknowns ``(n, p)``; in a search, rough ones if cheaper."""
 
     @property
     def accuracy(self) -> float:

@@ -79,12 +79,7 @@ class Unknowns(Sequence[Unknown]):
     def bounds(self) -> tuple[Floats, Floats]:
         """Lowest and highest z."""
         low, high = (
-            np.array(
-                [
-                    self._bound(one, getattr(one, side), sign)
-                    for one in self._all
-                ]
-            )
+            np.array([self._bound(one, getattr(one, side), sign) for one in self._all])
             for side, sign in (("low", -1.0), ("high", 1.0))
         )
         return low, high
