@@ -14,6 +14,7 @@ from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
+from viscorod.analyses.identification.laws import compared_laws
 from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.named_combinations import combinations
 from viscorod.analyses.identification.sought import Range, series_of, sought
@@ -70,6 +71,8 @@ def identify(
     level: float = 0.95,
     profile: bool = True,
     seed: int = 0,
+    laws: Sequence[str] = (),
+    left_out: Pairs = (),
     report: Callable[[str], None] | None = None,
 ) -> Identification:
     """Find numbers of cases so that they predict what was measured, with intervals.
@@ -97,6 +100,10 @@ def identify(
         profile: check Laplace's intervals by the sum of squares at their ends, and take the profile likelihood
             where they are skewed.
         seed: of the further starts.
+        laws: of damping that are compared on the same records, in place of that of the case: "elastic",
+            "kelvin_voigt", "flat_loss" (a loss factor that does not depend on frequency), "branches 2" (Maxwell
+            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss".
+        left_out: pairs of cases and records that are not fitted; laws are compared by how they predict them.
         report: called with a sentence after every search.
 
     Returns:
@@ -111,10 +118,12 @@ def identify(
         raise InputError(Fault("level", show(level), "it lies between 0 and 1", "give 0.95"))
     if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
         raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
+    pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
+    held = pairs_of(left_out, None) if left_out else []
     found = fitted(
-        pairs_of(case, records),
-        as_ranges(parameters),
-        as_ranges(nuisances),
+        pairs,
+        wanted,
+        other,
         starts=starts,
         robust=robust,
         coloured=coloured,
@@ -133,6 +142,9 @@ def identify(
         cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
     )
     sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
+    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
+    if compared is not None:
+        sentences = [*compared.sentences, *sentences]
     attrs = {
         "title": cases[0].title,
         "level": level,
@@ -146,7 +158,7 @@ def identify(
         "records": json.dumps([record.name for member in found.members for record in member.records]),
         "sentences": json.dumps(sentences),
     }
-    return Identification(fit_dataset(found, limits, told, programs, attrs))
+    return Identification(fit_dataset(found, limits, told, programs, attrs, compared))
 
 
 def pairs_of(case: Case | Pairs, records: Any) -> list[tuple[Case, Any]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.analyses.identification.laws import Compared
 from viscorod.analyses.identification.named_combinations import Combination
 from viscorod.analyses.identification.told import at_signal, whiteness
 from viscorod.results.identification import Identification
@@ -28,8 +29,9 @@ def fit_dataset(
     told: Sequence[Combination],
     programs: Sequence[Combination],
     attrs: Mapping[str, Any],
+    compared: Compared | None,
 ) -> xr.Dataset:
-    """Return all that is known of a fit as one data set; laws are added by their comparison."""
+    """Return all that is known of a fit as one data set."""
     import xarray as xr
 
     columns: dict[str, Any] = {}
@@ -42,10 +44,13 @@ def fit_dataset(
             f"{prefix}_high": _floats(one.high for one in listed),
         }
     columns |= {f"law_{word}": np.zeros(0) for word in ("unknowns", "square", "aicc", "bic", "prediction")}
+    if compared is not None:
+        columns |= compared.columns
     known = Identification.variables()
     variables = {name: (known[name][0], columns[name]) for name in known}
     words = {
         "combinations": json.dumps([[one.name, one.unit] for one in told]),
+        "laws": json.dumps(compared.words if compared is not None else []),
         "program_numbers": json.dumps([one.name for one in programs]),
     }
     return xr.Dataset(variables, attrs={**attrs, **words, "kind": Identification.kind})
