@@ -3,17 +3,15 @@
 from __future__ import annotations
 
 import copy
-import re
 from collections.abc import Mapping
 from typing import Any
 
 from viscorod.casefile.case import Case, case_from_dict
+from viscorod.casefile.case_keys import parts_of
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
 __all__ = ["case_with", "keys_of", "number_at"]
-
-_KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
 
 
 def keys_of(name: str) -> tuple[str, ...]:
@@ -63,11 +61,7 @@ def number_at(case: Case, name: str) -> float | None:
 
 def _place(content: Any, key: str) -> tuple[Any, Any]:
     """Return the table or list that holds a key, and the last part of it; None where there is none."""
-    found = list(_KEY.finditer(key))
-    if not found or "".join(m[0] for m in found) != key:
-        why, instead = "this is not a key of a case file", 'write "materials.rubber.youngs_modulus"'
-        raise InputError(Fault("parameters", show(key), why, instead))
-    parts = [int(m["index"]) if m["index"] else m["word"] for m in found]
+    parts = parts_of(key)
     place = content
     for part in parts[:-1]:
         if isinstance(part, int):
