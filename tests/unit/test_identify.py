@@ -1,13 +1,17 @@
 """Numbers of rods from records: synthetic truth, what cannot be told, several cases at once, the file and the page."""
 
 import re
+import tomllib
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.toml_text import toml_text
+from viscorod.cli.app import app
 from viscorod.errors import InputError
 
 YOUNG, SHEAR, BULK = (
@@ -204,3 +208,111 @@ def test_records_of_one_name_and_what_is_none_are_refused():
         vr.identify(swing(), 3.0, [YOUNG])
     with pytest.raises(InputError, match="level"):
         vr.identify(swing(), record, [YOUNG], level=1.5)
+
+
+LAWS = {
+    "kelvin_voigt": {"shear_time": 0.01, "bulk_time": 0.01},
+    "flat_loss": {"kind": "loss_factor", "extension": 0.06, "band": [0.3, 300.0]},
+}
+
+
+def ratios_of(law):
+    """A table of four modes of a strip with a law, noise 0.1 % of frequencies and 3 % of ratios."""
+    true, rng = run_case(modes_case(damping=LAWS[law])), np.random.default_rng(2)
+    hertz, ratios = (values[:4] for values in (true.frequencies, true.damping_ratios))
+    return vr.ModesRecord(
+        hertz * (1.0 + 1e-3 * rng.normal(size=4)),
+        ratios * (1.0 + 0.03 * rng.normal(size=4)),
+        frequency_noise=1e-3 * hertz,
+        ratio_noise=0.03 * ratios,
+    )
+
+
+@pytest.mark.parametrize(("best", "excluded"), [("kelvin_voigt", "flat_loss"), ("flat_loss", "kelvin_voigt")])
+def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
+    """Ratios that grow with the frequency are a viscosity's, those that do not are a flat loss factor's."""
+    words = ["elastic", "kelvin_voigt", "flat_loss"]
+    fit = vr.identify(modes_case(), ratios_of(best), {YOUNG: None, BOTH: 0.01}, profile=False, laws=words)
+    assert fit.laws[0].name == best
+    (sentence,) = [text for text in fit.sentences if text.startswith("Excluded")]
+    assert excluded in sentence
+    assert "elastic" in sentence
+    assert best not in sentence
+    assert "Laws on the same data" in fit.report()
+
+
+def test_laws_that_there_are_not_are_refused():
+    for laws, words in (
+        (["honey"], "no such law"),
+        (["elastic + flat_loss"], "two laws"),
+        (["branches 9"], "no such law"),
+    ):
+        with pytest.raises(InputError, match=words):
+            vr.identify(modes_case(), ratios_of("kelvin_voigt"), [YOUNG], profile=False, laws=laws)
+
+
+FIT = """
+case = "strip.toml"
+profile = false
+
+[parameters]
+"materials.rubber.youngs_modulus" = [3e5, 7e5, 3e6]
+
+[[records]]
+kind = "static"
+file = "pull.csv"
+load = "F"
+value = "w"
+full_load = 0.02
+place = "beam.end"
+direction = "y"
+noise = 1e-4
+"""
+
+
+@pytest.fixture
+def fit_folder(tmp_path):
+    case = case_from_dict(content({"equilibrium": {"load_steps": 5}}))
+    (tmp_path / "strip.toml").write_text(toml_text(case.content))
+    moved = run_case(case).probe("beam.end")["displacement"].values[:, 0, 1]
+    rows = [f"{0.004 * (k + 1):.4f};{1e3 * w:.5f}" for k, w in enumerate(moved)]
+    (tmp_path / "pull.csv").write_text("\n".join(["F [N];w [mm]", *rows]))
+    (tmp_path / "fit.toml").write_text(FIT)
+    return tmp_path
+
+
+def test_the_command_reads_a_file_and_writes_all(fit_folder):
+    out = fit_folder / "out"
+    done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml"), "-o", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "Numbers of the model" in done.output
+    assert sorted(path.name for path in out.iterdir()) == ["case.toml", "fit.html", "fit.nc", "fit.png"]
+    fitted = vr.load_case(out / "case.toml").description.rods["beam"].material
+    assert fitted.youngs_modulus == pytest.approx(1e6, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('case = "strip.toml"', "", "the path of a case file is needed"),
+        ("profile = false", "profiles = false", "no such key"),
+        ("profile = false", "starts = 1.5", "a whole number is needed"),
+        ('load = "F"', 'load = "G"', "G"),
+        ('kind = "static"', 'kind = "dynamic"', "no kind of record"),
+        ("[[records]]", "[[record]]", "at least one is needed"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_told(fit_folder, old, new, words):
+    (fit_folder / "fit.toml").write_text(FIT.replace(old, new))
+    done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml")])
+    assert done.exit_code != 0
+    assert words in done.output
+
+
+def test_content_as_toml_reads_back_as_it_was():
+    given = content(
+        {"simulate": {"duration": 1.0}},
+        damping={"kind": "prony", "extension_ratios": [0.1], "extension_times": [1.0]},
+    )
+    given["title"] = 'a "quoted" title\n'
+    assert tomllib.loads(toml_text(given)) == given

@@ -52,7 +52,8 @@ class _One:
         """What is least for the best: the sum of n log of the mean square of every series."""
         best = self.found.estimate
         return sum(
-            one.count * float(np.log(max(np.mean((best.residuals[one.rows] / one.noise) ** 2), 1e-300)))
+            one.count
+            * float(np.log(max(float(np.mean((best.residuals[one.rows] / one.noise) ** 2)), 1e-300)))
             for one in best.noise.series
             if not one.certain
         )
@@ -99,22 +100,25 @@ def compared_laws(
     best = min(done, key=lambda one: one.likelihood)
     noise = _noise(best.found)
     count = noise.effective_count
-    rows = []
-    for one in done:
-        square = _square(noise, one.found)
-        rows.append((one, square, *criteria(square, count, len(one.found.unknowns) + len(noise.series))))
-    least = [min(row[k] for row in rows) for k in (2, 3)]
-    rows.sort(key=lambda row: row[2])
-    errors = [_error(one.prediction) if one.prediction is not None else 0.0 for one, *_ in rows]
-    columns = {
-        "law_unknowns": np.array([float(len(one.found.unknowns)) for one, *_ in rows]),
-        "law_square": np.array([square for _, square, *_ in rows]),
-        "law_aicc": np.array([aicc - least[0] for *_, aicc, _ in rows]),
-        "law_bic": np.array([bic - least[1] for *_, bic in rows]),
-        "law_prediction": np.array(errors),
+    squares = {one.name: _square(noise, one.found) for one in done}
+    merits = {
+        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series))
+        for one in done
     }
-    words = [[one.name, _values(one.found)] for one, *_ in rows]
-    return Compared(columns, words, _sentences([one.name for one, *_ in rows], columns, count))
+    done.sort(key=lambda one: merits[one.name][0])
+    names = [one.name for one in done]
+    aicc, bic = (np.array([merits[name][k] for name in names]) for k in (0, 1))
+    columns: dict[str, Floats] = {
+        "law_unknowns": np.array([float(len(one.found.unknowns)) for one in done]),
+        "law_square": np.array([squares[name] for name in names]),
+        "law_aicc": aicc - aicc.min(),
+        "law_bic": bic - bic.min(),
+        "law_prediction": np.array(
+            [_error(one.prediction) if one.prediction is not None else 0.0 for one in done]
+        ),
+    }
+    words = [[one.name, _values(one.found)] for one in done]
+    return Compared(columns, words, _sentences(names, columns, count))
 
 
 def _fitted(
