@@ -145,8 +145,7 @@ def _fitted(
             known = [case_with(case, found.named) for case, _ in others]
             again = {id(case): new for (case, _), new in zip(others, known, strict=True)}
             held = [(again[id(case)], record) for case, record in others]
-            mine = {key: value for key, value in nuisances.items() if number_at(held[0][0], key) is None}
-            prediction = fit(held, {}, mine, coloured=False, only_nuisances=True)
+            prediction = fit(held, {}, nuisances, coloured=False, only_nuisances=True)
     except SolveError as error:
         return str(error)
     return _One(name, found, prediction)
