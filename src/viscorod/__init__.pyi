@@ -82,6 +82,12 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .records.motion_record import Record as Record
+from .records.other_records import ModesRecord as ModesRecord
+from .records.other_records import ModuliRecord as ModuliRecord
+from .records.other_records import ResponseRecord as ResponseRecord
+from .records.other_records import StaticRecord as StaticRecord
+from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed

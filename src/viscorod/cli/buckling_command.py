@@ -56,7 +56,7 @@ def buckling(
         folder = writable(output or Path("out") / case.stem)
         code = 0
         try:
-            with polite_stop() as stop, reporting(BucklingSettings(**settings).course) as progress:
+            with polite_stop() as stop, reporting(BucklingSettings().course) as progress:
                 found = as_model(loaded.description).buckling(
                     **settings, title=loaded.title, stop=stop, progress=progress
                 )
