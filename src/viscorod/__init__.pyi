@@ -2,6 +2,7 @@
 
 from . import programs as programs
 from .analyses.co_simulation import CoSimulation as CoSimulation
+from .analyses.ensemble import ensemble as ensemble
 from .analyses.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
@@ -82,11 +83,18 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .records.motion_record import Record as Record
+from .records.other_records import ModesRecord as ModesRecord
+from .records.other_records import ModuliRecord as ModuliRecord
+from .records.other_records import ResponseRecord as ResponseRecord
+from .records.other_records import StaticRecord as StaticRecord
+from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
+from .results.ensemble import Ensemble as Ensemble
 from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting

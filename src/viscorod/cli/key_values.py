@@ -10,9 +10,10 @@ import typer
 
 from viscorod.errors import InputError
 
-__all__ = ["SetValues", "column_of", "grid_of", "named", "part_of", "value_of"]
+__all__ = ["SetValues", "column_of", "drawn", "grid_of", "named", "part_of", "value_of"]
 
 _RANGE = re.compile(r"\s*([^:,\s]+)\s*:\s*([^:,\s]+)\s*:\s*(\d+)\s*")
+_CALL = re.compile(r"\s*([a-z_0-9]+)\s*\(([^()]*)\)\s*")
 SetValues = Annotated[
     list[str] | None,
     typer.Option(
@@ -86,6 +87,40 @@ def named(text: str) -> tuple[str, str]:
     if not sign or not name.strip() or not words.strip():
         raise InputError(f'--quantity {text}: write NAME=WORDS, such as "tip=displacement beam.end y max"')
     return name.strip(), words.strip()
+
+
+def drawn(text: str) -> tuple[str, Any]:
+    """Return a key and its distribution from ``key=norm(1e6, 5e4)``.
+
+    Raises:
+        InputError: there is no key, or no such distribution.
+    """
+    import scipy.stats
+
+    key, sign, words = text.partition("=")
+    found = _CALL.fullmatch(words)
+    kind = getattr(scipy.stats, found[1], None) if found else None
+    if not sign or found is None or not isinstance(kind, scipy.stats.rv_continuous):
+        raise InputError(
+            f"--draw {text}: write KEY=DISTRIBUTION as SciPy calls it, such as norm(1e6, 5e4) with mean and standard "
+            "deviation, or uniform(0.9, 0.2) with the least value and the width"
+        )
+    places: list[float] = []
+    names: dict[str, float] = {}
+    for part in filter(str.strip, found[2].split(",")):
+        name, equal, value = part.rpartition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            raise InputError(f"--draw {text}: {part.strip()} is no number") from None
+        if equal:
+            names[name.strip()] = number
+        else:
+            places.append(number)
+    try:
+        return key.strip(), kind(*places, **names)
+    except TypeError as error:
+        raise InputError(f"--draw {text}: {error}") from None
 
 
 def part_of(text: str | None) -> slice | None:

@@ -22,6 +22,7 @@ REAL = 1e-9
 FIGURES = {
     "steps": ("1", "steps taken"),
     "wall_time_s": ("s", "wall time"),
+    "time_reached": ("s", "end of the motion"),
     "numerical_fraction": (
         "1",
         "largest numerical remainder of the energy account over the energy that moved",
@@ -57,6 +58,7 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
     attrs = result.data.attrs
     found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
     if isinstance(result, Run):
+        found["time_reached"] = float(result.time[-1])
         found["numerical_fraction"] = Energy.of(result.data).numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         s = result.eigenvalues if isinstance(result, Modes) else result.poles

@@ -243,7 +243,12 @@ class Sweep:
             for member in self.members
             if member.result is not None and (self.separate or not member.completed)
         }
-        return write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path, groups)
+        attrs = {"sweep": json.dumps(record, default=_plain), **self._attributes()}
+        return write(self.data.assign_attrs(attrs), path, groups)
+
+    def _attributes(self) -> dict[str, str]:
+        """Return what a file says beside its members."""
+        return {}
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:

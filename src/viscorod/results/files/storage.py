@@ -219,9 +219,10 @@ def load(path: str | Path) -> AnyResult | Sweep:
             return Run(stopped_run(path))
     data = read(path)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
+        from viscorod.results.ensemble import Ensemble
         from viscorod.results.sweep_result import Sweep
 
-        return Sweep.of(data, Path(path))
+        return (Ensemble if "ensemble" in data.attrs else Sweep).of(data, Path(path))
     return result_of(data, Path(path))
 
 

@@ -19,6 +19,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, reading
+from viscorod.results.ensemble import Design, Ensemble
 from viscorod.results.sweep_result import NOT_RUN, Sweep, SweepRun
 from viscorod.whole_files import replacing
 
@@ -28,6 +29,7 @@ if TYPE_CHECKING:
 __all__ = ["MANIFEST", "SweepFolder"]
 
 MANIFEST = "sweep.json"
+DESIGN = "ensemble.json"
 MEMBERS = "members"
 
 
@@ -36,6 +38,15 @@ class SweepFolder:
     """The folder of a sweep."""
 
     path: Path
+
+    def describe(self, design: str) -> None:
+        """Say how the members of an ensemble were chosen, before any is computed.
+
+        Raises:
+            InputError: the folder cannot be written.
+        """
+        with replacing(self.path / DESIGN, needs=len(design), instead="name another folder") as new:
+            new.write_text(design, encoding="utf-8")
 
     def begin(
         self, title: str, rows: Sequence[Mapping[str, Any]], names: Sequence[str], notes: Sequence[str]
@@ -125,7 +136,14 @@ class SweepFolder:
             SweepRun(k, row, *(self.parts(name, found[name]) if name in found else (None, "", NOT_RUN)))
             for k, (row, name) in enumerate(zip(rows, names, strict=True))
         ]
-        return Sweep(members, str(about.get("title", "")), [str(note) for note in about.get("notes", [])])
+        notes = [str(note) for note in about.get("notes", [])]
+        sweep = Sweep(members, str(about.get("title", "")), notes)
+        record = self.path / DESIGN
+        if not record.is_file():
+            return sweep
+        design = Design.of_record(record.read_text(encoding="utf-8"), str(record))
+        fits = design.members == len(members) and set(design.keys) <= set(columns)
+        return Ensemble.of_sweep(sweep, design) if fits else sweep  # else another sweep used the folder later
 
 
 def _number(value: Any) -> float | list[float]:
