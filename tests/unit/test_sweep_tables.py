@@ -151,7 +151,7 @@ def test_a_number_that_cannot_be_had_is_missing_and_says_why(swing):
     assert np.isfinite(row["tip"])
     assert "ratio" not in row
     for words in (
-        "ratio: beam.end along y does not decay",
+        "ratio: beam.end along y passes no complete maximum",
         "mine: ZeroDivisionError",
         "nan: nan is not one finite",
     ):

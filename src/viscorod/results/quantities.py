@@ -322,10 +322,10 @@ def _reaction(result: Result, place: str) -> Floats:
 
 def _decay(result: Any, words: Sequence[Word]) -> float:
     place, axis, what = map(str, words[:3])
-    found = result.free_decay(place, axis)
-    if found is None:
+    found = result.decay(place, axis)
+    if len(words) == 3 and not found.regular:
         raise InputError(
-            f"{place} along {axis} does not decay regularly over three maxima or more; simulate longer"
+            f"{place} along {axis} does not decay regularly over three maxima or more; simulate longer, or name a cycle"
         )
     if len(words) == 3:
         if what == "damping_ratio":

@@ -106,38 +106,30 @@ def draw_indices(found: Ensemble) -> Figure:
     names = _names(found)
     table = found.indices()
     keys = list(found.design.keys)
-    columns = min(2, len(names))
-    lines = -(-len(names) // columns)
-    picture = _titled(found, 5.8 * columns + 1.6, (0.55 * len(keys) + 1.5) * lines + 0.5)
-    label = max(map(len, keys))
-    picture.subplots_adjust(
-        left=min(0.5, 0.085 * label / picture.get_figwidth() + 0.03), wspace=0.085 * label / 5.0
-    )
-    for axes, name in zip(picture.subplots(lines, columns, squeeze=False).flat, names, strict=False):
+    height = (0.5 * len(keys) + 1.1) * len(names) + 0.6
+    picture = _titled(found, 9.0, height)
+    picture.subplots_adjust(left=min(0.6, 0.0092 * max(map(len, keys)) + 0.03), hspace=0.42)
+    for axes, name in zip(picture.subplots(len(names), 1, squeeze=False).flat, names, strict=True):
         rows = table.loc[name]
-        order = sorted(keys, key=lambda key, rows=rows: float(rows.loc[key, "total"]))
-        clean(axes, f"part of the variance of {name}", "")
+        order = [str(key) for key in rows["total"].sort_values().index]
+        clean(axes, f"part of the variance of the {name}", "")
         for k, key in enumerate(order):
-            for kind, colour, shift in (("total", ORANGE, -0.18), ("first", BLUE, 0.18)):
+            for kind, colour, shift in (("first", BLUE, 0.18), ("total", ORANGE, -0.18)):
                 row: Any = rows.loc[key]
-                axes.barh(
-                    k + shift, row[kind], height=0.34, color=colour, label=_legend(kind) if k == 0 else None
-                )
-                axes.plot(
-                    [row[f"{kind}_lower"], row[f"{kind}_upper"]], [k + shift] * 2, color=INK, linewidth=1.2
-                )
+                label = _legend(kind) if k == 0 else None
+                axes.barh(k + shift, row[kind], height=0.34, color=colour, label=label)
+                ends = [row[f"{kind}_lower"], row[f"{kind}_upper"]]
+                axes.plot(ends, [k + shift] * 2, color=INK, linewidth=1.2)
         axes.set_yticks(range(len(order)), order, fontsize=SMALL)
         axes.axvline(0.0, color=INK, linewidth=0.8)
         axes.grid(axis="y", visible=False)
         if name == names[0]:
             legend_above(axes, 2)
-    for axes in list(picture.axes)[len(names) :]:
-        axes.set_visible(False)
     return picture
 
 
 def _legend(kind: str) -> str:
-    return "with all others" if kind == "total" else "alone"
+    return "together with others" if kind == "total" else "alone (lines: 95 %)"
 
 
 def _names(found: Ensemble) -> tuple[str, ...]:
