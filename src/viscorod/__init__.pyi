@@ -89,6 +89,7 @@ from .records.other_records import ModesRecord as ModesRecord
 from .records.other_records import ModuliRecord as ModuliRecord
 from .records.other_records import ResponseRecord as ResponseRecord
 from .records.other_records import StaticRecord as StaticRecord
+from .records.pole_fit import modal_fit as modal_fit
 from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
@@ -102,6 +103,7 @@ from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.master_curve_result import MasterCurve as MasterCurve
+from .results.modal_fit_result import ModalFit as ModalFit
 from .results.modes_result import Modes as Modes
 from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem

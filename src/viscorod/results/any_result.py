@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.master_curve_result import MasterCurve
+    from viscorod.results.modal_fit_result import ModalFit
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
         | Periodic
         | Decay
         | MasterCurve
+        | ModalFit
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -46,6 +48,7 @@ KINDS = {
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
     "decay": ("decay_result", "Decay"),
+    "modal_fit": ("modal_fit_result", "ModalFit"),
     "master_curve": ("master_curve_result", "MasterCurve"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""
