@@ -120,7 +120,11 @@ def _motion(
     def resumable() -> dict[str, Any]:
         return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
 
+    ends: list[float] = []
+
     def after_step() -> str:
+        if options.derivatives:
+            ends.append(integrator.t)
         discrete.watch.note(stream.start, integrator.t, integrator.snapshot)
         if written is not None:
             written.after_step(resumable)
@@ -174,6 +178,7 @@ def _motion(
         if not interrupted:
             _tell(attrs, energy_doubt(written.contents().assign_attrs(attrs)))
         run = Run(read(written.finish(discrete.complete(attrs), keep=interrupted)))
+    run.ends_of_steps = np.array(ends)
     if message:
         raise SolveError(message, run)
     return run
