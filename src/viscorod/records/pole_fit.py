@@ -62,7 +62,8 @@ def modal_fit(
     """Return the modes that measured frequency responses show, with 95 % intervals.
 
     Each response is fitted by itself about each peak; several are one weighted mean, whose interval is widened by
-    Birge's ratio where they differ by more than their own intervals. Half-power widths of less than two bins are refused.
+    Birge's ratio where they differ by more than their own intervals. Half-power widths of less than two bins are
+    refused.
 
     Args:
         records: responses of one structure over the same frequencies.
