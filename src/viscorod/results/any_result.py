@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.identification import Identification
     from viscorod.results.master_curve_result import MasterCurve
     from viscorod.results.modal_fit_result import ModalFit
     from viscorod.results.modes_result import Modes
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
         | Campbell
         | Stability
         | Periodic
+        | Identification
         | Decay
         | MasterCurve
         | ModalFit
@@ -47,6 +49,7 @@ KINDS = {
     "campbell": ("campbell", "Campbell"),
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
+    "identification": ("identification", "Identification"),
     "decay": ("decay_result", "Decay"),
     "modal_fit": ("modal_fit_result", "ModalFit"),
     "master_curve": ("master_curve_result", "MasterCurve"),
