@@ -379,7 +379,7 @@ def test_large_models_have_no_multipliers_and_say_so(monkeypatch):
         "outputs": ["beam.end uz"],
         "frequencies": [12.0, 13.0],
     }
-    with pytest.raises(vr.InputError, match=r"stability = true.*give stability = false, or fewer elements"):
+    with pytest.raises(vr.InputError, match=r"stability: true.*give stability = false, or fewer elements"):
         cantilever().periodic(**given, harmonics=2, points=2)
     found = cantilever().periodic(**given, harmonics=2, points=2, stability=False)
     assert found.multipliers.shape[1] == 0
