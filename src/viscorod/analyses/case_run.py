@@ -70,6 +70,8 @@ def discretised_case(case: Case) -> DiscreteModel:
         InputError: the model does not allow the analysis, or its mesh cannot satisfy it.
     """
     about = {"case_text": case.text}
+    if case.changes:
+        about["case_changes"] = case.changes
     if case.source is not None:
         about["case_file"] = str(case.source)
     options = CallOptions(title=case.title, attributes=about)

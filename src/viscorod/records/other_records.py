@@ -19,6 +19,10 @@ from viscorod.typing import Floats
 __all__ = ["ModesRecord", "ModuliRecord", "ResponseRecord", "StaticRecord"]
 
 
+NORMAL = 1.959963984540054
+"""Standard deviations of half of a 95 % interval."""
+
+
 class ResponseRecord(AnyRecord):
     """A frequency response that was measured: output over input, complex, exp(i omega t).
 
@@ -228,6 +232,26 @@ class ModesRecord(AnyRecord):
             )
         self.noise = np.concatenate(known) if known else None
         self._named(name, unknown, {"clock": (1.0, 0.5, 2.0)})
+
+    @classmethod
+    def of(cls, found: Any, **more: Any) -> ModesRecord:
+        """Return the modes of a `Decay` or a `ModalFit` as a record, with the noise that their intervals mean.
+
+        Args:
+            found: the result.
+            more: all else that a record has: modes, unknown, name.
+
+        Raises:
+            InputError: it is no such result.
+        """
+        if getattr(found, "kind", "") not in ("decay", "modal_fit"):
+            raise InputError(
+                Fault("found", type(found).__name__, "it has no measured modes", "give a Decay or ModalFit")
+            )
+        widths = [found.data[f"{name}_width"].values / NORMAL for name in ("frequency", "damping_ratio")]
+        return cls(
+            found.frequencies, found.damping_ratios, frequency_noise=widths[0], ratio_noise=widths[1], **more
+        )
 
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return frequencies, and damping ratios if the record has them, of a result of `modes`; see `AnyRecord`."""

@@ -56,6 +56,7 @@ FIGURES = {
     ),
     "steps": Figure("1", "steps taken", "steps", "{:.0f}".format),
     "wall_time_s": Figure("s", "wall time", "wall time [s]", "{:.3g}".format),
+    "time_reached": Figure("s", "end of the motion", "reached [s]", "{:.6g}".format),
     "numerical_fraction": Figure(
         "1",
         "largest numerical remainder of the energy account over the energy that moved",
@@ -66,6 +67,7 @@ FIGURES = {
 """All of them, in the order of the columns of a table; they are variables of a sweep's data set too."""
 OF_STATES = ("steps", "numerical_fraction")
 """Figures that say little beside others."""
+NOT_IN_TABLES = ("time_reached",)
 
 
 def figures_of(result: AnyResult | None) -> dict[str, float]:
@@ -75,6 +77,7 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
     attrs = result.data.attrs
     found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
     if isinstance(result, Run):
+        found["time_reached"] = float(result.time[-1])
         found["numerical_fraction"] = Energy.of(result.data).numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
@@ -113,6 +116,6 @@ def _slowest(s: np.ndarray) -> dict[str, float]:
 
 def shown(rows: list[dict[str, float]]) -> list[str]:
     """Return the names of the figures that a table of members has: those of any member, without what says little."""
-    known = [name for name in FIGURES if any(name in row for row in rows)]
+    known = [name for name in FIGURES if name not in NOT_IN_TABLES and any(name in row for row in rows)]
     telling = [name for name in known if name not in (*OF_STATES, "wall_time_s")]
     return [name for name in known if not telling or name not in OF_STATES]

@@ -21,6 +21,8 @@ ROUND_OFF = 1e-11
 """Size of a change over that of the orbit that no further correction would make smaller."""
 SMALLEST = 1e-14
 """Size of a change (over the length, or rad) that is round-off."""
+STILL = 1e-12
+"""Size of an orbit (over the length, or rad) that is none."""
 ITERATIONS = 24
 """Corrections, with renewed Jacobians where they converge slowly."""
 SLOW = 0.4
@@ -52,10 +54,13 @@ class Solved(NamedTuple):
 
 
 def orbit_size(balance: OrbitBalance, orbit: Orbit) -> float:
-    """Return the root mean square over the phases of all displacements over the length, and rotations [rad]."""
+    """Return the root mean square over the phases of all displacements over the length, and rotations [rad].
+
+    It has a floor: where nothing moves, as an inextensible column under a pulsating load, changes are measured by it.
+    """
     scaled = orbit.X.copy()
     scaled[..., :3] /= balance.problem.length
-    return float(np.sqrt((scaled**2).sum(axis=(1, 2)).mean()))
+    return max(float(np.sqrt((scaled**2).sum(axis=(1, 2)).mean())), STILL)
 
 
 class OrbitSolver:

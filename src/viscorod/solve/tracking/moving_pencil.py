@@ -117,7 +117,7 @@ class MovingPencil:
         if not x.any():
             x = self._coordinates(shape).imag
         border = p.Z.shape[1]
-        factor = SparseLU(p.at(0.0))
+        factor = SparseLU(p.at_rest())
         value = np.inf
         for _ in range(100):
             x /= np.sqrt(x @ (p.M @ x))
