@@ -86,6 +86,7 @@ from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decrement import Decrement as Decrement
+from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit

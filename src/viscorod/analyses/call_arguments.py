@@ -200,7 +200,7 @@ class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     )
 
 
-class ResponseArguments(ResponseSettings, Progressing):
+class ResponseArguments(ResponseSettings, Progressing, Differentiated):
     """Arguments of ``Model.frequency_response``."""
 
 
@@ -220,7 +220,7 @@ class PeriodicArguments(PeriodicSettings, Watched):
     """Arguments of ``Model.periodic``."""
 
 
-class SteadyArguments(SteadySettings, Watched):
+class SteadyArguments(SteadySettings, Watched, Differentiated):
     """Arguments of ``Model.steady``."""
 
 

@@ -17,7 +17,6 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.derivative import Derivative
-from viscorod.results.result import Result
 from viscorod.results.run import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
@@ -32,7 +31,7 @@ if TYPE_CHECKING:
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
 
 
-def on_mesh_of(discrete: DiscreteModel, result: Result) -> DiscreteModel:
+def on_mesh_of(discrete: DiscreteModel, result: Any) -> DiscreteModel:
     """Return a discretised model on the mesh of a result of it."""
     stored = json.loads(str(result.data.attrs.get("divisions", "{}")))
     if not stored:
@@ -114,6 +113,6 @@ def derivative(
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
-def attributes(result: Result) -> dict[str, Any]:
+def attributes(result: Any) -> dict[str, Any]:
     """Return the attributes of a result for one close by."""
     return {name: value for name, value in result.data.attrs.items() if name != "kind"}
