@@ -19,12 +19,7 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import show
 from viscorod.results.sweep_result import Sweep, SweepRun
-from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.motion import SimulateSettings
-from viscorod.solve.settings.periodic import PeriodicSettings
-from viscorod.solve.settings.response import ResponseSettings
-from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
@@ -65,9 +60,6 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, BucklingSettings | CampbellSettings | StabilitySettings | PeriodicSettings):
-        why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
-        raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:
         require_callback("progress", progress, 0.0)
     rows = _rows(values)
@@ -159,10 +151,10 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
     content, title, source = job
     try:
         case = case_from_dict({"title": title, **content}, source)
-        total = _total(case)
+        course = case.settings.course
 
         def progress(reached: float, _step: float) -> None:
-            tell(min(reached / total, 1.0))
+            tell(course.part(reached))
 
         return (
             run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
@@ -178,14 +170,6 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, "interrupted from the keyboard", "interrupted"
     except Exception as error:  # one member's defect must not cost the others their results
         return None, f"{type(error).__name__}: {error}", FAILED
-
-
-def _total(case: Case) -> float:
-    """Return the time [s], load factor or frequency [Hz] at which a member is done."""
-    settings = case.settings
-    if isinstance(settings, SimulateSettings):
-        return settings.duration
-    return settings.highest if isinstance(settings, ResponseSettings) else 1.0
 
 
 def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None) -> list[Found]:

@@ -20,6 +20,7 @@ from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
 from viscorod.cli.followed_commands import campbell, stability
+from viscorod.cli.identify_command import identify
 from viscorod.cli.modes_command import modes
 from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
@@ -52,6 +53,7 @@ for command in (
     stability,
     periodic,
     sweep,
+    identify,
     theories,
     view,
     plot,

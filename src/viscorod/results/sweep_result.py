@@ -15,11 +15,8 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
-from viscorod.results.energy import Energy
 from viscorod.results.files.storage import read, result_of, write
-from viscorod.results.frequency_response import FrequencyResponse
-from viscorod.results.modes_result import Modes
-from viscorod.results.run import Run
+from viscorod.results.sweep_figures import FIGURES, figures_of, shown
 from viscorod.results.text_table import table
 
 if TYPE_CHECKING:
@@ -27,40 +24,15 @@ if TYPE_CHECKING:
 
     from viscorod.results.any_result import AnyResult
 
-ALONG = DIMENSION | {"response": "frequency"}
+ALONG = DIMENSION | {
+    "response": "frequency",
+    "campbell": "speed",
+    "stability": "load_factor",
+    "periodic": "point",
+}
 """Kind of a result -> dimension of its states."""
 KIND = "sweep"
 COMPLETED = "completed"
-REAL = 1e-9
-"""Imaginary part of a root, as a part of it, below which it does not oscillate."""
-TABLE = {
-    "steps": ("1", "steps taken"),
-    "wall_time_s": ("s", "wall time"),
-    "numerical_fraction": (
-        "1",
-        "largest numerical remainder of the energy account over the energy that moved",
-    ),
-    "first_frequency": ("Hz", "of the slowest vibration that oscillates"),
-    "first_damping_ratio": ("1", "of the same"),
-    "peak_frequency": ("Hz", "at which the first response is largest"),
-    "peak": ("", "its size there"),
-}
-"""Variables of every member that are not fields -> (unit, long name)."""
-
-_WALL = ("wall_time_s", "wall time [s]", "{:.3g}".format)
-_STEPPED = (
-    ("steps", "steps", "{:.0f}".format),
-    _WALL,
-    ("numerical_fraction", "numerical [%]", lambda part: f"{100.0 * part:.2g}"),
-)
-_SMALL = (
-    ("first_frequency", "first frequency [Hz]", "{:.6g}".format),
-    ("first_damping_ratio", "damping ratio", "{:.5g}".format),
-    ("peak_frequency", "peak at [Hz]", "{:.6g}".format),
-    ("peak", "peak", "{:.5g}".format),
-    _WALL,
-)
-"""Figures of members in the table of a report: name, heading, format."""
 
 
 @dataclass(frozen=True)
@@ -87,25 +59,8 @@ class SweepRun:
         return self.outcome == COMPLETED and self.result is not None
 
     def figures(self) -> dict[str, float]:
-        """Return steps, wall time [s], the numerical part of a run's energy account, the first mode, the first peak."""
-        if self.result is None:
-            return {}
-        attrs = self.result.data.attrs
-        found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
-        if isinstance(self.result, Run):
-            found["numerical_fraction"] = Energy.of(self.result.data).numerical_fraction
-        if isinstance(self.result, Modes | FrequencyResponse):
-            s = self.result.eigenvalues if isinstance(self.result, Modes) else self.result.poles
-            s = s[s.imag > REAL * np.abs(s)]
-            if len(s):
-                first = s[np.argmin(np.abs(s))]
-                found["first_frequency"] = float(np.abs(first) / (2.0 * np.pi))
-                found["first_damping_ratio"] = float(-first.real / np.abs(first))
-        if isinstance(self.result, FrequencyResponse):
-            size = self.result.amplification()
-            found["peak_frequency"] = float(self.result.frequencies[np.argmax(size)])
-            found["peak"] = float(size.max())
-        return found
+        """Return numbers of the result by which members are compared, see ``viscorod.results.sweep_figures``."""
+        return figures_of(self.result)
 
 
 class Sweep:
@@ -162,9 +117,9 @@ class Sweep:
         for name in self.parameters:
             coordinates[name] = ("member", _column([member.values[name] for member in kept]))
         rows = [member.figures() for member in kept]
-        for name, (unit, long_name) in TABLE.items():
+        for name, figure in FIGURES.items():
             if rows and all(name in row for row in rows):
-                attributes = {"units": unit, "long_name": long_name}
+                attributes = {"units": figure.unit, "long_name": figure.words}
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", np.array([row[name] for row in rows], dtype), attributes)
         if kept and not self.separate:
@@ -176,14 +131,13 @@ class Sweep:
     def report(self) -> str:
         """Return a table of the members: values, figures, outcome; then what failed."""
         figures = [member.figures() for member in self.members]
-        small = any("first_frequency" in row or "peak" in row for row in figures)
-        columns = _SMALL if small else _STEPPED
-        header = ("member", *self.parameters, *(title for _, title, _ in columns), "outcome")
+        columns = shown(figures)
+        header = ("member", *self.parameters, *(FIGURES[name].heading for name in columns), "outcome")
         rows = [
             (
                 str(member.number),
                 *(_text(value) for value in member.values.values()),
-                *(show(row[name]) if name in row else "-" for name, _, show in columns),
+                *(FIGURES[name].show(row[name]) if name in row else "-" for name in columns),
                 member.outcome,
             )
             for member, row in zip(self.members, figures, strict=True)
@@ -274,7 +228,7 @@ def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
     result = None
     if row.attrs is not None:
         along = ALONG.get(str(row.attrs.get("kind")), "")
-        stacked = "member" in data.coords and along in data and row.number in data["member"].values
+        stacked = "member" in data.coords and along in data.dims and row.number in data["member"].values
         whole = _unstacked(data, row.number) if stacked else read(path, group=f"member_{row.number}")
         whole.attrs = row.attrs
         result = result_of(whole, path)
@@ -285,6 +239,8 @@ _LEVELS = {
     "time": "stored times",
     "load_factor": "load steps",
     "spin": "angular speeds",
+    "speed": "angular speeds",
+    "point": "motions",
     "frequency": "frequencies",
 }
 
@@ -301,13 +257,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = one[name].values, other[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            differ = {
-                "time": "stored times",
-                "load_factor": "load steps",
-                "spin": "angular speeds",
-                "frequency": "frequencies",
-            }
-            return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
+            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
     return ""
 
 
@@ -330,7 +280,7 @@ def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, A
 
 def _unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
     """Return the fields of one member, as its own result holds them."""
-    return data.drop_vars(TABLE, errors="ignore").sel(member=number, drop=True)
+    return data.drop_vars(list(FIGURES), errors="ignore").sel(member=number, drop=True)
 
 
 def _column(values: Sequence[Any]) -> np.ndarray:

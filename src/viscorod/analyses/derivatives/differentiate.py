@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -24,9 +25,6 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
 
@@ -106,10 +104,9 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        data: xr.Dataset = dataset(
-            kind.kind, one.problem, one.system.gauss_positions(), history, attributes(result)
-        )
-        parts.append((one.weight, kind(data)))
+        positions, attrs = one.system.gauss_positions(), attributes(result)
+        build = partial(dataset, kind.kind, one.problem, positions, history, attrs)
+        parts.append((one.weight, kind.later(build)))
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
