@@ -203,6 +203,10 @@ class DiscreteModel:
         attributes = self.attributes | {"divisions": json.dumps(stored)}
         return self._begun(self.model, problem, self.formulation, attributes, self.options)
 
+    def of_problem(self, model: ModelDescription, problem: Problem) -> DiscreteModel:
+        """Return what solves another problem, of a model with other numbers, in the same formulation."""
+        return self._begun(model, problem, self.formulation, self.attributes, self.options)
+
     def announce_modes(self) -> None:
         """Say that modes are being found, where that takes more than a few seconds: it shows no progress."""
         if self.problem.size > LARGE:
