@@ -18,7 +18,8 @@ WRONG = {
     "none": None, "true": True, "fraction": 1.5, "nan": float("nan"), "denormal": 5e-324, "text": "",
     "surrogate": "\ud800",
     "nul": "a\0b", "bytes": b"x", "empty": [], "words": ["x"], "nones": [None], "table": {"a": 1}, "object": object(),
-    "huge": 10**400, "complex": 1j, "array": np.array([1.0, np.nan]), "array of text": np.array("x"), "nested": [[1, 2], [3]],
+    "huge": 10**400, "complex": 1j, "array": np.array([1.0, np.nan]),
+    "array of text": np.array("x"), "nested": [[1, 2], [3]],
 }  # fmt: skip
 
 
