@@ -3,6 +3,7 @@
 from . import programs as programs
 from .analyses.co_simulation import CoSimulation as CoSimulation
 from .analyses.ensemble import ensemble as ensemble
+from .analyses.identify import identify as identify
 from .analyses.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
@@ -102,6 +103,9 @@ from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.identification import Identification as Identification
+from .results.identification import Law as Law
+from .results.identification import Number as Number
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.master_curve_result import MasterCurve as MasterCurve
 from .results.modes_result import Modes as Modes

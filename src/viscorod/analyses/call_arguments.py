@@ -154,7 +154,8 @@ class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
     progress: Annotated[Progress | None, _kept("progress", "a function", _progress)] = Key(
-        "called after every step with the time [s], load factor or frequency [Hz] that was reached, and the step",
+        "called after every step with the time [s], load factor, frequency [Hz], speed [rad/s] or amplitude that was "
+        "reached, and the step",
         default=None,
         kw_only=True,
     )
@@ -216,7 +217,7 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
 
 
-class PeriodicArguments(PeriodicSettings, Watched):
+class PeriodicArguments(PeriodicSettings, Progressing):
     """Arguments of ``Model.periodic``."""
 
 
@@ -224,15 +225,15 @@ class SteadyArguments(SteadySettings, Watched):
     """Arguments of ``Model.steady``."""
 
 
-class CampbellArguments(CampbellSettings, Watched):
+class CampbellArguments(CampbellSettings, Progressing):
     """Arguments of ``Model.campbell``."""
 
 
-class StabilityArguments(StabilitySettings, Watched):
+class StabilityArguments(StabilitySettings, Progressing):
     """Arguments of ``Model.stability``."""
 
 
-class BucklingArguments(BucklingSettings, Watched):
+class BucklingArguments(BucklingSettings, Progressing):
     """Arguments of ``Model.buckling``."""
 
 

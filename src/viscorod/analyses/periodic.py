@@ -81,9 +81,12 @@ def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record
         setting = Setting(turn * settings.frequency, parameter.start)
     continuation = Continuation(balance, parameter, stability=settings.stability, stop=discrete.options.stop)
     first = continuation.first(balance.resting(), setting)
-    last = first
+    last, progress = first, discrete.options.progress
+    unit = turn if settings.frequencies is not None else 1.0
     for point in continuation.follow(first, settings.step, settings.points):
         record.add(point.motion, point.orbit, point.multipliers, point.bifurcation)
+        if progress is not None:
+            progress(point.value / unit, abs(point.value - last.value) / unit)
         last = point
     return last is not first and last.value in (parameter.start, parameter.end)
 
@@ -120,7 +123,9 @@ def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) 
     smallest, size = settings.largest / 100.0, 0.0
     for solved in backbone.follow(smallest, settings.largest, settings.step, settings.points):
         record.add(solved.motion, solved.orbit)
-        size = amplitude(solved.motion)
+        before, size = size, amplitude(solved.motion)
+        if discrete.options.progress is not None:
+            discrete.options.progress(size, size - before)
     return size >= 0.999 * settings.largest
 
 

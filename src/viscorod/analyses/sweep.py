@@ -25,12 +25,7 @@ from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
 from viscorod.results.sweep_figures import figures_of
 from viscorod.results.sweep_result import COMPLETED, NOT_RUN, Sweep, SweepRun
-from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.motion import SimulateSettings
-from viscorod.solve.settings.periodic import PeriodicSettings
-from viscorod.solve.settings.response import ResponseSettings
-from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
@@ -95,9 +90,6 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, BucklingSettings | CampbellSettings | StabilitySettings | PeriodicSettings):
-        why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
-        raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:
         require_callback("progress", progress, 0.0)
     rows = rows_of(values, grid, constants)
@@ -269,10 +261,10 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
     content, title, source = job
     try:
         case = case_from_dict({"title": title, **content}, source)
-        total = _total(case)
+        course = case.settings.course
 
         def progress(reached: float, _step: float) -> None:
-            tell(min(reached / total, 1.0))
+            tell(course.part(reached))
 
         return (
             run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
@@ -288,14 +280,6 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, "interrupted from the keyboard", "interrupted"
     except Exception as error:  # one member's defect must not cost the others their results
         return None, f"{type(error).__name__}: {error}", FAILED
-
-
-def _total(case: Case) -> float:
-    """Return the time [s], load factor or frequency [Hz] at which a member is done."""
-    settings = case.settings
-    if isinstance(settings, SimulateSettings):
-        return settings.duration
-    return settings.highest if isinstance(settings, ResponseSettings) else 1.0
 
 
 def _alone(work: MemberWork, jobs: Sequence[Any], stop: threading.Event, progress: Progress) -> list[Found]:

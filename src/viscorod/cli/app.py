@@ -21,6 +21,7 @@ from viscorod.cli.ensemble_command import ensemble
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
 from viscorod.cli.followed_commands import campbell, stability
+from viscorod.cli.identify_command import identify
 from viscorod.cli.modes_command import modes
 from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
@@ -54,6 +55,7 @@ for command in (
     periodic,
     sweep,
     ensemble,
+    identify,
     theories,
     view,
     plot,

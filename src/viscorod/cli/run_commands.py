@@ -112,25 +112,18 @@ def _compute(
 ) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
-    from viscorod.cli.progress import FREQUENCY, LOAD, TIME, reporting
+    from viscorod.cli.progress import reporting
     from viscorod.results.files.folder_lock import claimed
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove
     from viscorod.results.run import Run
     from viscorod.solve.settings.motion import SimulateSettings
-    from viscorod.solve.settings.response import ResponseSettings
 
-    settings = case.settings
-    static = not isinstance(settings, SimulateSettings)
-    total, quantity = 1.0, LOAD
-    if isinstance(settings, SimulateSettings):
-        total, quantity = settings.duration, TIME
-    elif isinstance(settings, ResponseSettings):
-        total, quantity = settings.highest, FREQUENCY
+    static = not isinstance(case.settings, SimulateSettings)
     result: AnyResult
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
-            with polite_stop() as stop, reporting(total, quantity) as progress:
+            with polite_stop() as stop, reporting(case.settings.course) as progress:
                 result = run_case(
                     case,
                     discrete,

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.identification import Identification
     from viscorod.results.master_curve_result import MasterCurve
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
         | Campbell
         | Stability
         | Periodic
+        | Identification
         | Decay
         | MasterCurve
     )
@@ -45,6 +47,7 @@ KINDS = {
     "campbell": ("campbell", "Campbell"),
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
+    "identification": ("identification", "Identification"),
     "decay": ("decay_result", "Decay"),
     "master_curve": ("master_curve_result", "MasterCurve"),
 }

@@ -17,7 +17,7 @@ from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
 from viscorod.results.files.storage import load, read, result_of, write
 from viscorod.results.quantities import HISTORY_TIMES, Number
-from viscorod.results.sweep_figures import COLUMNS, FIGURES, SMALL_COLUMNS, figures_of
+from viscorod.results.sweep_figures import FIGURES, figures_of, shown
 from viscorod.results.text_table import table
 
 if TYPE_CHECKING:
@@ -26,7 +26,12 @@ if TYPE_CHECKING:
 
     from viscorod.results.any_result import AnyResult
 
-ALONG = DIMENSION | {"response": "frequency"}
+ALONG = DIMENSION | {
+    "response": "frequency",
+    "campbell": "speed",
+    "stability": "load_factor",
+    "periodic": "point",
+}
 """Kind of a result -> dimension of its states."""
 KIND = "sweep"
 COMPLETED = "completed"
@@ -72,7 +77,7 @@ class SweepRun:
         return self.outcome == COMPLETED
 
     def figures(self) -> dict[str, float]:
-        """Return steps, wall time [s], the numerical part of a run's energy account, the first mode, the first peak."""
+        """Return numbers of the result by which members are compared, see ``viscorod.results.sweep_figures``."""
         return dict(self.measured) or figures_of(self.result)
 
 
@@ -159,9 +164,9 @@ class Sweep:
         for name in self.parameters:
             coordinates[name] = ("member", _column([member.values[name] for member in kept]))
         rows = [member.figures() for member in kept]
-        for name, (unit, long_name) in FIGURES.items():
+        for name, figure in FIGURES.items():
             if rows and all(name in row for row in rows):
-                attributes = {"units": unit, "long_name": long_name}
+                attributes = {"units": figure.unit, "long_name": figure.words}
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", np.array([row[name] for row in rows], dtype), attributes)
         for name in self.quantities:
@@ -180,25 +185,30 @@ class Sweep:
 
     def report(self) -> str:
         """Return a table of the members: values, quantities, figures, outcome; then what failed."""
-        shown = self.members[:MOST_ROWS]
-        figures = [member.figures() for member in shown]
-        small = any("first_frequency" in row or "peak" in row for row in figures)
-        columns = SMALL_COLUMNS if small else COLUMNS
+        listed = self.members[:MOST_ROWS]
+        figures = [member.figures() for member in listed]
+        columns = shown(figures)
         numbers = [
             name
             for name in self.quantities
-            if not any(isinstance(member.quantities.get(name), list) for member in shown)
+            if not any(isinstance(member.quantities.get(name), list) for member in listed)
         ]
-        header = ("member", *self.parameters, *numbers, *(title for _, title, _ in columns), "outcome")
+        header = (
+            "member",
+            *self.parameters,
+            *numbers,
+            *(FIGURES[name].heading for name in columns),
+            "outcome",
+        )
         rows = [
             (
                 str(member.number),
                 *(_text(value) for value in member.values.values()),
                 *(f"{member.quantities[name]:.6g}" if name in member.quantities else "-" for name in numbers),
-                *(show(row[name]) if name in row else "-" for name, _, show in columns),
+                *(FIGURES[name].show(row[name]) if name in row else "-" for name in columns),
                 member.outcome,
             )
-            for member, row in zip(shown, figures, strict=True)
+            for member, row in zip(listed, figures, strict=True)
         ]
         count = f"{len(self.members)} members, {len(self.completed)} completed"
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
@@ -300,7 +310,7 @@ def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
     result = None
     if row.attrs is not None:
         along = ALONG.get(str(row.attrs.get("kind")), "")
-        stacked = "member" in data.coords and along in data and row.number in data["member"].values
+        stacked = "member" in data.coords and along in data.dims and row.number in data["member"].values
         own = [*FIGURES, *row.quantities, *row.values, "instant"]
         fields = data.drop_vars(own, errors="ignore")
         whole = _unstacked(fields, row.number) if stacked else read(path, group=f"member_{row.number}")
@@ -314,6 +324,8 @@ _LEVELS = {
     "time": "stored times",
     "load_factor": "load steps",
     "spin": "angular speeds",
+    "speed": "angular speeds",
+    "point": "motions",
     "frequency": "frequencies",
 }
 
@@ -330,13 +342,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = one[name].values, other[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            differ = {
-                "time": "stored times",
-                "load_factor": "load steps",
-                "spin": "angular speeds",
-                "frequency": "frequencies",
-            }
-            return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
+            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
     return ""
 
 

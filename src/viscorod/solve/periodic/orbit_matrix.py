@@ -20,6 +20,7 @@ from scipy.sparse.csgraph import connected_components
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
+from viscorod.solve.periodic.orbit_kernels import add_orbit_blocks
 from viscorod.typing import Floats, Integers
 
 __all__ = ["OrbitMatrix", "coupled_motions", "free_motions", "strains_of_nodes", "whole_matrices"]
@@ -141,23 +142,16 @@ class OrbitMatrix:
         balance, rows, count = self.balance, self.motions, self._count
         D, here = omega * balance.D, np.arange(count)
         columns = np.union1d(rows, _of_partial_nodes(balance)) if balance.body.partly else rows
-        V = linear.V
-        node = columns // 6
-        K, C, M = (part[:, rows] for part in whole[:3])
+        pattern, nodes = balance.problem.pattern, np.arange(balance.problem.size)
         found = np.zeros((len(rows), count, len(columns), count))
-        for k in np.unique(node[columns < 6 * balance.problem.size]).tolist():
-            own = slice(6 * k, 6 * k + 6)
-            mine = np.flatnonzero(node == k)
-            turned = V[k][..., columns[mine] % 6]  # of all twists of the node
-            pushed = np.tensordot(D, turned, axes=(1, 0))
-            viscous = np.flatnonzero(np.abs(C[:, :, own]).any(axis=(0, 2)))
-            found[np.ix_(viscous, np.arange(count), mine, np.arange(count))] += np.einsum(
-                "pik,pqkj->ipjq", C[:, viscous, own], turned, optimize=True
-            )
-            heavy = np.flatnonzero(np.abs(M[:, :, own]).any(axis=(0, 2)))
-            found[np.ix_(heavy, np.arange(count), mine, np.arange(count))] += np.einsum(
-                "pik,pqkj->ipjq", M[:, heavy, own], pushed, optimize=True
-            )
+        of_rows, of_columns = np.full((2, 6 * pattern.size), -1, dtype=np.int64)
+        of_rows[rows], of_columns[columns] = np.arange(len(rows)), np.arange(len(columns))
+        n = len(nodes)
+        pushed = (D @ linear.V.reshape(n, count, -1)).reshape(linear.V.shape)
+        C = np.ascontiguousarray(linear.C)
+        add_orbit_blocks(C, pattern.rows, pattern.columns, linear.V, of_rows, of_columns, found)
+        add_orbit_blocks(linear.M, nodes, nodes, pushed, of_rows, of_columns, found)
+        K = whole.K[:, rows]
         found[:, here, :, here] += K[:, :, columns]
         if balance.problem.relaxing:
             found += self._branches(linear.strain, omega, rows, columns)

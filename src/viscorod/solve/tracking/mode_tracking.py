@@ -17,6 +17,7 @@ from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 from viscorod.errors import SolveError
+from viscorod.solve.statics.newton import interruption
 from viscorod.solve.tracking.moving_pencil import MovingPencil, Spectrum
 from viscorod.typing import Floats
 
@@ -91,11 +92,15 @@ class Tracker:
         family: whose modes they are; count: how many.
         samples: at all values of the parameter so far, those between the ones asked for too, in order.
         doubts: stretches of the parameter in which modes could not be told apart, with their numbers.
+        check_interrupt: raises where the search is to stop; told: is told each value that is reached, and the step.
+        stopped: why the modes were not followed to the last value, empty if they were.
     """
 
     family: Family
     count: int
     check_interrupt: Callable[[], None] = lambda: None
+    told: Callable[[float, float], None] | None = None
+    stopped: str = ""
     samples: list[Sample] = field(default_factory=list)
     doubts: list[tuple[float, float, tuple[int, ...]]] = field(default_factory=list)
     _shift: float = 0.0
@@ -103,17 +108,36 @@ class Tracker:
     def follow(self, parameters: Sequence[float], first: int = 0) -> None:
         """Follow the modes over increasing values of the parameter, from the one numbered ``first`` to both ends.
 
+        Where that ends early, between two values or more, the samples up to there are kept, and the reason.
+
         Raises:
-            SolveError: the small motions were not found somewhere.
+            SolveError: the small motions were not found near the first value.
         """
         start = self._begin(float(parameters[first]))
-        upwards = [start]
-        for value in parameters[first + 1 :]:
-            self._step(upwards, float(value), 0)
-        downwards = [start]
-        for value in list(parameters[:first])[::-1]:
-            self._step(downwards, float(value), 0)
+        upwards, downwards = [start], [start]
+        try:
+            for values, way in ((parameters[:first][::-1], downwards), (parameters[first + 1 :], upwards)):
+                for value in map(float, values):
+                    step = value - way[-1].parameter
+                    self._step(way, value, 0)
+                    if self.told is not None and way is upwards:
+                        self.told(value, step)
+        except (SolveError, KeyboardInterrupt) as error:
+            self.samples = downwards[:0:-1] + upwards
+            if len(self.reached(parameters)) < 2:
+                raise
+            self.stop(interruption(error) if isinstance(error, KeyboardInterrupt) else str(error))
         self.samples = downwards[:0:-1] + upwards
+
+    def stop(self, reason: str) -> None:
+        """Keep the reason why something was not done to its end; what is there is evaluated without asking again."""
+        self.stopped = reason
+        self.check_interrupt = lambda: None
+
+    def reached(self, parameters: Sequence[float]) -> list[float]:
+        """Return the values, of those that were asked for, at which there are samples."""
+        known = {sample.parameter for sample in self.samples}
+        return [float(value) for value in parameters if float(value) in known]
 
     def at(self, parameters: Sequence[float]) -> list[Sample]:
         """Return the samples at values that were asked for."""
