@@ -183,7 +183,10 @@ class DiscreteModel:
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
         attributes = attributes | section_record(model, system.gauss_positions())
-        static, watch = StaticSolver(system, supports), MeshWatch(model, problem, system)
+        static, watch = (
+            StaticSolver(system, supports),
+            MeshWatch(model, problem, system, wanted=options.errors),
+        )
         began = time.perf_counter()
         return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)
 
