@@ -10,7 +10,7 @@ from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted
 from viscorod.casefile.units import si_value
-from viscorod.cli.sweep_command import _column
+from viscorod.cli.key_values import column_of
 from viscorod.errors import InputError
 
 PLAIN = """
@@ -249,7 +249,7 @@ def test_units_in_a_file_and_in_a_sweep(tmp_path):
 
 def test_members_of_a_sweep_may_be_quantities():
     case = parse_case(WITH_UNITS)
-    key, column = _column('rods.beam.section.radius="5 mm",0.006')
+    key, column = column_of('rods.beam.section.radius="5 mm",0.006')
     assert column == ["5 mm", 0.006]
     contents, notes = zip(
         *(member_content(case.content, case.source, {key: value}, True) for value in column), strict=True
