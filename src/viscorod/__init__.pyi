@@ -98,6 +98,7 @@ from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
+from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
 from .results.ensemble import Ensemble as Ensemble
 from .results.files.storage import load as load

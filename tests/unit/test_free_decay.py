@@ -147,6 +147,8 @@ def test_decay_of_a_run_saved_and_drawn(tmp_path):
     again = vr.load(found.save(tmp_path / "decay.nc"))
     assert again.report() == found.report()
     assert again.plot(tmp_path / "decay.png").stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="a free decay has no page in the browser"):
+        vr.view(again, tmp_path / "decay.html")
 
 
 def test_command(tmp_path, capsys):

@@ -28,7 +28,7 @@ def held():
 
 @pytest.fixture
 def swing():
-    return case_from_dict(content("simulate", duration=0.1, time_step=0.01))
+    return case_from_dict(content("simulate", duration=0.1, time_step=0.01, output_interval=0.02))
 
 
 def test_a_product_with_rows_and_constants(held):
@@ -157,6 +157,19 @@ def test_a_number_that_cannot_be_had_is_missing_and_says_why(swing):
     ):
         assert words in row["message"]
         assert words in sweep.report()
+
+
+def test_errors_of_some_members(swing):
+    """Estimates are made beside the motion: without them every other number is the same, bit for bit."""
+    values, quantities = {SHEAR: [0.01, 0.02, 0.03]}, {"tip": TIP, "lost": ("energy", "viscous", "last")}
+    whole = vr.sweep(swing, values, quantities=quantities, workers=1).table()
+    some = vr.sweep(swing, values, quantities=quantities, workers=1, errors=2).table()
+    assert some[["tip", "lost", "steps"]].equals(whole[["tip", "lost", "steps"]])
+    for name in ("mesh_error", "step_error"):
+        assert some[name].notna().tolist() == [True, False, True]
+        assert some[name][[0, 2]].tolist() == whole[name][[0, 2]].tolist()
+    with pytest.raises(vr.InputError, match="errors: -1: a number of members is needed"):
+        vr.sweep(swing, values, workers=1, errors=-1)
 
 
 @pytest.mark.parametrize("fields", [False, True])

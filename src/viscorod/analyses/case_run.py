@@ -89,6 +89,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
+    errors: bool = True,
 ) -> AnyResult:
     """Run the analysis of a case file.
 
@@ -98,6 +99,7 @@ def run_case(
         progress: see ``Model.simulate``.
         folder, resume, anew: of a motion, see there.
         doubts: warnings that the result is to keep.
+        errors: estimate the errors of mesh and steps; where the program chooses the mesh, it does.
         stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
             it.
     """
@@ -109,6 +111,7 @@ def run_case(
         resume=resume,
         anew=anew,
         stop=stop,
+        errors=errors,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
     settings = case.settings

@@ -37,6 +37,7 @@ def ensemble(
     workers: int | None = None,
     folder: str | Path | None = None,
     members: slice | None = None,
+    errors: int | None = None,
     progress: Progress | None = None,
 ) -> Ensemble:
     """Compute a case many times with uncertain values: quantiles of its quantities, and what their spread is due to.
@@ -55,7 +56,7 @@ def ensemble(
         correlation: of the distributions, in their order: the correlation matrix of the normal numbers from which a
             Gaussian copula makes them (for normal distributions their own).
         indices: compute Sobol' indices. That takes n (keys + 2) members, and independent distributions.
-        constants, fields, executor, workers, folder, members, progress: as of ``viscorod.sweep``.
+        constants, fields, executor, workers, folder, members, errors, progress: as of ``viscorod.sweep``.
 
     Returns:
         The members, with quantiles, indices and pictures of them.
@@ -89,6 +90,7 @@ def ensemble(
             workers=workers,
             folder=folder,
             members=members,
+            errors=errors,
             progress=progress,
         )
     except SolveError as error:

@@ -12,6 +12,8 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
+import numpy as np
+
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
@@ -21,6 +23,7 @@ from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_keys import put
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
+from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
 from viscorod.results.sweep_figures import figures_of
@@ -52,6 +55,7 @@ def sweep(
     workers: int | None = None,
     folder: str | Path | None = None,
     members: slice | None = None,
+    errors: int | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
     """Compute a case many times, each time with other values, and return a table of named numbers.
@@ -78,6 +82,9 @@ def sweep(
         folder: keeps every member that is finished, on disk before it is reported. Members that are there already, of
             the same case, values, version and quantities, are not computed again. It is to be seen by all workers.
         members: which of them this call computes, such as ``slice(100, 200)``.
+        errors: for how many members, evenly chosen, the errors of mesh and steps are estimated; by default for all. It
+            changes no other number and takes half the time of short motions, so that some may do. A member whose mesh
+            the program chooses has it in any case.
         progress: called with the number of members done, fractions included.
 
     Returns:
@@ -108,7 +115,10 @@ def sweep(
         known = store.finished()
         found = {k: store.parts(name, known[name]) for k, name in enumerate(names) if name in known}
     due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
-    jobs = [(rows[k], names[k]) for k in due]
+    if errors is not None and (isinstance(errors, bool) or not isinstance(errors, int) or errors < 0):
+        raise InputError(Fault("errors", show(errors), "a number of members is needed here", "give 16"))
+    looked = set(range(len(rows)) if errors is None else np.linspace(0, len(rows) - 1, errors, dtype=int))
+    jobs = [(rows[k], names[k], k in looked) for k in due]
 
     def recover(numbers: Sequence[int]) -> dict[int, Found]:
         finished = {} if work.folder is None else work.folder.finished()
@@ -227,16 +237,16 @@ class MemberWork:
     folder: SweepFolder | None
 
     def __call__(
-        self, job: tuple[Row, str], tell: Callable[[float], None], stopped: Callable[[], bool]
+        self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
     ) -> Found:
         """Compute one member and record it."""
-        row, name = job
+        row, name, errors = job
         try:
             content, _ = member_content(self.content, self.source, row, self.keep)
         except InputError as error:
             found: Found = None, str(error), "refused"
         else:
-            found = _compute((content, self.title, self.source), tell, stopped)
+            found = _compute((content, self.title, self.source, errors), tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
         parts = {
@@ -251,14 +261,14 @@ class MemberWork:
         return stored, *parts.values()
 
 
-Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None]
+Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
 
 STOPPED = "the sweep was stopped"
 
 
 def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
-    content, title, source = job
+    content, title, source, errors = job
     try:
         case = case_from_dict({"title": title, **content}, source)
         course = case.settings.course
@@ -267,7 +277,7 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
             tell(course.part(reached))
 
         return (
-            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
+            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else "", errors=errors),
             "",
             "completed",
         )

@@ -12,6 +12,7 @@ from viscorod.cli.files import existing, writable
 from viscorod.cli.key_values import SetValues, drawn, named, part_of, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.sweep_command import (
+    Errors,
     ExecutorOption,
     Members,
     QuantityOptions,
@@ -47,6 +48,7 @@ def ensemble(
     scheduler: Scheduler = None,
     members: Members = None,
     workers: Workers = None,
+    errors: Errors = None,
 ) -> None:
     """Compute a case with uncertain values: print quantiles and Sobol' indices, write data and pictures."""
     with readable_errors():
@@ -76,6 +78,7 @@ def ensemble(
                         workers=workers,
                         folder=folder / "ensemble",
                         members=part,
+                        errors=errors,
                         progress=progress,
                     )
             except SolveError as error:

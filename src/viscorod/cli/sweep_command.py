@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from viscorod.results.sweep_result import Sweep
 
 __all__ = [
+    "Errors",
     "ExecutorOption",
     "Members",
     "QuantityOptions",
@@ -67,6 +68,17 @@ Workers = Annotated[
     typer.Option("--workers", min=1, help="Number of processes; 1 is this one.", show_default=False),
 ]
 
+Errors = Annotated[
+    int | None,
+    typer.Option(
+        "--errors",
+        min=0,
+        metavar="NUMBER",
+        help="Members, evenly chosen, whose errors of mesh and steps are estimated [default: all]",
+        show_default=False,
+    ),
+]
+
 
 def sweep(
     case: CaseFile,
@@ -100,6 +112,7 @@ def sweep(
     scheduler: Scheduler = None,
     members: Members = None,
     workers: Workers = None,
+    errors: Errors = None,
 ) -> None:
     """Compute a case with many values: print a table, write data."""
     with readable_errors():
@@ -141,6 +154,7 @@ def sweep(
                         workers=workers,
                         folder=folder / "sweep" if asked or array_job else None,
                         members=part,
+                        errors=errors,
                         progress=progress,
                     )
             except SolveError as error:

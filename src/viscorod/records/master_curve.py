@@ -14,11 +14,12 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
-from viscorod.checks import checked
+from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.dma_table import read_dma_sweeps
 from viscorod.model.materials.sweeps import DmaTable
+from viscorod.records.arguments import described
 from viscorod.records.overlap import DECADE, Overlap, overlapped
 from viscorod.records.shift_laws import LawFit, fit_arrhenius, fit_wlf
 from viscorod.results.master_curve_result import MasterCurve
@@ -39,7 +40,7 @@ PER_DECADE = 8
 Sweep = tuple[float, DmaTable]
 
 
-@checked
+@described
 def master_curve(
     files: str | Path | Sequence[str | Path] | Sequence[Sweep],
     *,
@@ -94,6 +95,15 @@ def master_curve(
     used = width <= KNOWN
     if law_range is not None:
         used = (celsius >= law_range[0]) & (celsius <= law_range[1])
+        if not used.any():
+            raise InputError(
+                Fault(
+                    "law_range",
+                    f"{law_range[0]:g} to {law_range[1]:g} C",
+                    "no sweep is there",
+                    "give other temperatures",
+                )
+            )
     block = covariance[np.ix_(used, used)]
     laws = {
         "wlf": fit_wlf(celsius[used], decades[used], block, float(celsius[first])),
@@ -123,9 +133,18 @@ def _sweeps(
                         f"the sample's temperature goes {wander:.2g} K away from its mean of {celsius:.4g} C within a "
                         "sweep"
                     )
+        elif not (isinstance(item, tuple) and len(item) == 2 and isinstance(item[1], DmaTable)):
+            raise InputError(
+                Fault(
+                    "files",
+                    type(item).__name__,
+                    "no file of moduli",
+                    "give paths, or pairs of a temperature and a table",
+                )
+            )
         else:
             celsius, table = item
-            found.append((float(celsius), table))
+            found.append((number("files", celsius), table))
     found.sort(key=lambda one: one[0])
     if len(notes) > 3:
         notes = [

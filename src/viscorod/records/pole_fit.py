@@ -17,6 +17,7 @@ from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from viscorod.errors import Fault, InputError
+from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
 from viscorod.records.other_records import ResponseRecord
 from viscorod.results.modal_fit_result import ModalFit
@@ -53,6 +54,7 @@ class _Pole:
     freedom: int
 
 
+@described
 def modal_fit(
     records: ResponseRecord | Sequence[ResponseRecord],
     *,

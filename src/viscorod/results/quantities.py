@@ -15,9 +15,9 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.results.any_result import result_class
 from viscorod.results.components import STRAINS
 from viscorod.results.data_schema import AXES, LABELS, VARIABLES
-from viscorod.results.frequency_response import VARIABLES as RESPONSE
 from viscorod.results.sweep_figures import FIGURES
 
 if TYPE_CHECKING:
@@ -170,7 +170,7 @@ def quantities_of(given: Any, kind: str, taken: Iterable[str] = ()) -> tuple[Qua
         )
         raise InputError(Fault("quantities", repr(given)[:60], why, instead))
     found, faults = [], []
-    reserved = {*taken, *FIGURES, *VARIABLES, *(RESPONSE if kind == "response" else ()), *_RESERVED}
+    reserved = {*taken, *FIGURES, *VARIABLES, *_variables(kind), *_RESERVED}
     for name, spec in given.items():
         if not isinstance(name, str) or not name or "/" in name or name in reserved:
             why = "this is no name, or one that the table has for something else"
@@ -186,6 +186,12 @@ def quantities_of(given: Any, kind: str, taken: Iterable[str] = ()) -> tuple[Qua
     if faults:
         raise InputError(faults)
     return tuple(found)
+
+
+def _variables(kind: str) -> Iterable[str]:
+    """Return the names of the variables of a result without states."""
+    found = getattr(result_class(kind), "variables", None)
+    return () if found is None else found()
 
 
 def _words(spec: Any) -> tuple[Word, ...]:
@@ -220,7 +226,7 @@ def _checked(words: tuple[Word, ...], kind: str) -> tuple[Word, ...]:
     _one_of(head, (*FIELDS, *_OTHERS), "quantity")
     kinds = ("simulate",) if head in ("decrement", "energy") else _NUMBERED.get(str(head), _STATES)
     if head in ("peak", "peak_frequency"):
-        kinds = ("response",)
+        kinds = ("response", "periodic")
     if kind not in kinds:
         raise InputError(
             Fault("", str(head), f"a result of [{kind}] has none", f"it goes with {', '.join(kinds)}")
@@ -366,7 +372,8 @@ def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:
     """Return what reads the largest size of a response, or where it is."""
 
     def read(result: Any, words: Sequence[Word]) -> float:
-        size = result.amplification(*(int(word) if isinstance(word, float) else word for word in words))
+        size_of = result.amplification if hasattr(result, "amplification") else result.amplitude
+        size = size_of(*(int(word) if isinstance(word, float) else word for word in words))
         return float(size.max() if what == "peak" else result.frequencies[np.argmax(size)])
 
     return read
