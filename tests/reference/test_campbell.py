@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod import programs
 
 EI, LENGTH, MASS, TAU, OUTSIDE = 100.0, 1.0, 3.0, 2e-3, 0.3
 SPRING = 48.0 * EI / LENGTH**3
@@ -126,8 +127,11 @@ def test_critical_speeds_of_an_overhung_disc():
     assert np.abs(waves.sum(axis=1)).max() < 1e-9
 
 
-def galerkin(hub, speed, count=14):
-    """Flap frequencies of a blade of unit length, mass and stiffness, by polynomials that are clamped at the root."""
+def galerkin(hub, speed, count=14, taper=0.0):
+    """Flap frequencies of a blade of unit length, by polynomials that are clamped at the root.
+
+    Mass per length and bending stiffness are 1 at the root and less by a part ``taper`` at the tip, in between linear.
+    """
     x, w = np.polynomial.legendre.leggauss(40)
     x, w = 0.5 * (x + 1.0), 0.5 * w
     basis = [
@@ -136,10 +140,12 @@ def galerkin(hub, speed, count=14):
         for k in range(count)
     ]
     V, D, S = (np.array([p.deriv(n)(x) if n else p(x) for p in basis]) for n in (0, 1, 2))
-    tension = speed**2 * (0.5 * (1.0 - x**2) + hub * (1.0 - x))
+    pull = (np.polynomial.Polynomial([hub, 1.0]) * np.polynomial.Polynomial([1.0, -taper])).integ()
+    tension, size = speed**2 * (pull(1.0) - pull(x)), 1.0 - taper * x
     from scipy.linalg import eigh
 
-    return np.sqrt(eigh((S * w) @ S.T + (D * (w * tension)) @ D.T, (V * w) @ V.T, eigvals_only=True))
+    stiffness = (S * (w * size)) @ S.T + (D * (w * tension)) @ D.T
+    return np.sqrt(eigh(stiffness, (V * (w * size)) @ V.T, eigvals_only=True))
 
 
 def blade(hub=0.0, bending=(1.0, 25.0)):
@@ -189,6 +195,45 @@ def test_blade_on_a_hub(hub):
     first = min(found.critical_speeds, key=lambda one: abs(one.speed - expected))
     assert first.speed == pytest.approx(expected, rel=1e-5)
     assert first.frequency == pytest.approx(3.0 * first.speed / (2.0 * np.pi), rel=1e-12)
+
+
+def blade_file(path, taper):
+    """A BeamDyn blade file of two stations: flapping as in ``galerkin``, all else stiff."""
+
+    def rows(matrix):
+        return "\n".join(" ".join(f"{value:.9E}" for value in row) for row in matrix)
+
+    head = "BLADE\ntitle\n---\n2 station_total\n0 damp_type\n---\nmu1 to mu6\n(-)\n0 0 0 0 0 0\n---\n"
+    text = head
+    for at, part in ((0.0, 1.0), (1.0, 1.0 - taper)):
+        stiffness = np.diag([1e6, 1e6, 1e6, 25.0, 1.0, 400.0]) * part
+        inertia = np.diag([1.0, 1.0, 1.0, 1e-7, 1e-7, 2e-7]) * part
+        text += f" {at:.6f}\n{rows(stiffness)}\n\n{rows(inertia)}\n\n"
+    path.write_text(text)
+    return path
+
+
+def test_tapered_blade_of_a_file_on_a_hub(tmp_path):
+    """A file of the public format, its blade along +Z from the edge of a hub: flap frequencies by polynomials."""
+    hub, taper = 0.3, 0.6
+    file = blade_file(tmp_path / "blade.dat", taper)
+    line = [(0.0, 0.0, hub), (0.0, 0.0, hub + 1.0)]
+    model = vr.Model()
+    model.add("blade", programs.rod_from_blade(file, line, elements=5, order=4))
+    model.clamp("blade.start")
+    found = model.campbell((1, 0, 0), speeds=[0.0, 3.0, 6.0], modes=3)
+    for speed, own in zip(found.speeds, 2.0 * np.pi * found.frequencies, strict=True):
+        for flap in galerkin(hub, speed, taper=taper)[:2]:
+            assert np.abs(own - flap).min() < 1e-4 * flap
+    # with a swept tip, the same roots as those of the steady rotation, which are found in another way
+    swept = [(0.0, 0.3 * max(z - 0.5, 0.0) ** 2, hub + z) for z in np.linspace(0.0, 1.0, 9)]
+    other = vr.Model()
+    other.add("blade", programs.rod_from_blade(file, swept, elements=5, order=4))
+    other.clamp("blade.start")
+    roots = other.campbell((1, 0, 0), speeds=[3.0, 6.0], modes=4).eigenvalues[1]
+    steady = other.steady(spin=(6.0, 0, 0), modes=4).eigenvalues
+    assert np.sort(np.abs(roots)) == pytest.approx(np.sort(np.abs(steady)), rel=1e-6)
+    assert np.abs(roots[0]) != pytest.approx(2.0 * np.pi * found.frequencies[2, 0], rel=1e-4)
 
 
 def test_modes_that_cross_and_modes_that_veer():

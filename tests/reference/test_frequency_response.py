@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 import viscorod as vr
 from helpers.exact_response import bar_receptance, cantilever_receptance, shaken_cantilever
@@ -66,18 +67,29 @@ def test_aluminium_strip_on_a_shaker():
     """400 x 25 x 3 mm, loss factor 0.01, shaken clamp.
 
     A public thread (with Euler-Bernoulli beams) has the amplification 15.39 at 0.95 f1; at the resonance itself the
-    exact one of the Timoshenko beam is 156.6.
+    exact one of the Timoshenko beam is 156.6. The thread's 152.3 is that 0.12 % beside it, but there 0.95 times the
+    frequency has 15.1, so that no error of the frequency gives both.
     """
     model = strip(constant_loss())
     first = model.modes(1, about="reference").frequencies[0]
-    hertz = [0.95 * first, first]
+    beside = 0.99882 * first
+    hertz = [0.95 * beside, 0.95 * first, beside, first]
     found = model.frequency_response(inputs="base uz", outputs="beam.end uz", frequencies=hertz)
-    assert found.amplification()[0] == pytest.approx(15.39, abs=0.01)
+    amplified = found.amplification()
+    assert amplified[1] == pytest.approx(15.39, abs=0.01)
     (bending, shear), inertia = numbers_of(model)
     damped = ((1 + 1j * LOSS) * bending, (1 + 1j * LOSS) * shear)
     exact = [shaken_cantilever(2 * np.pi * f, LENGTH, damped, inertia) for f in hertz]
     np.testing.assert_allclose(found.response(), exact, rtol=1e-4)
-    assert found.amplification()[1] == pytest.approx(156.6, abs=0.1)
+    assert amplified[3] == pytest.approx(156.6, abs=0.1)
+    assert amplified[[0, 2]] == pytest.approx([15.1, 152.3], abs=0.05)
+    over_the_clamp = np.abs(found.response() - 1.0)
+    assert over_the_clamp[[1, 3]] == pytest.approx([14.40, 156.6], abs=0.02)
+    k = brentq(lambda k: 1.0 + np.cos(k) * np.cosh(k), 1.8, 1.9)
+    for ratio, mine in ((0.95, amplified[1]), (1.0, amplified[3])):  # Euler and Bernoulli's, to four digits
+        x = k * np.sqrt(ratio) / (1.0 + 1j * LOSS) ** 0.25
+        tip = (np.cos(x) + np.cosh(x)) / (1.0 + np.cos(x) * np.cosh(x))
+        assert abs(tip) == pytest.approx(mine, rel=5e-4)
 
 
 def test_bar_of_kelvin_voigt_material_is_exact():

@@ -130,6 +130,21 @@ def test_equilibrium_from_a_motion_by_object_file_and_time(tmp_path) -> None:
         found = model.equilibrium(start=start)
         assert found.position("beam.end") == pytest.approx(wanted, abs=1e-10)
     assert found.found_by == f"1 load step from {file} at t = 0.02 s"
+    # small motions are about what rests: a state that moves is refused, unless its velocities are to be left out
+    moving = {"result": run, "time": 0.02}
+    signals = {"inputs": "beam.end fz", "outputs": ["beam.end uz"]}
+    for small in (
+        lambda about: model.modes(2, about=about),
+        lambda about: model.linear(**signals, about=about),
+        lambda about: model.frequency_response(**signals, frequencies=[0.0, 3.0], about=about),
+    ):
+        with pytest.raises(
+            vr.InputError, match=r"about: .* at t = 0.02 s: this state moves.*add at_rest = true"
+        ):
+            small(moving)
+    still = model.modes(2, about=moving | {"at_rest": True}).frequencies
+    assert still == pytest.approx(model.modes(2).frequencies, rel=1e-8)
+    assert model.modes(2, about=(run, 0.0)).frequencies == pytest.approx(still, rel=1e-8)  # it rests there
 
 
 def test_inverted_truss_is_a_start_for_everything() -> None:

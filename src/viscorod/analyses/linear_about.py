@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
-from viscorod.analyses.start_state import StartState
+from viscorod.analyses.start_state import StartState, require_still
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.description.model_description import ModelDescription
@@ -121,6 +121,7 @@ def linear_about(
             state = rotation.state().copy()
             text = f"the steady rotation at {rotation.rate:.6g} rad/s, in axes that turn with it"
         else:
+            require_still(start)
             state, _ = equilibrium_near(discrete, settings.about)
             text = f"the equilibrium under the loads at t = 0- near {start.label}"
     else:

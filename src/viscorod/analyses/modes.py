@@ -6,7 +6,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
-from viscorod.analyses.start_state import StartState
+from viscorod.analyses.start_state import StartState, require_still
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
 from viscorod.solve.constraints.rigid_motions import many_parts
@@ -33,7 +33,8 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     discrete.announce_modes()
     before, scale, about = True, 1.0, "the equilibrium near an earlier state"
     if isinstance(settings.about, Start):
-        if StartState(discrete, settings.about).result.kind == "steady":
+        start = StartState(discrete, settings.about)
+        if start.result.kind == "steady":
             raise InputError(
                 Fault(
                     "about",
@@ -42,6 +43,7 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
                     "its own small motions are in Steady.modes; linear and frequency_response go about it",
                 )
             )
+        require_still(start)
         state, _ = equilibrium_near(discrete, settings.about)
         linear = vibrations.linearise(discrete.static, state)
     else:

@@ -17,8 +17,10 @@ from viscorod.solve.start import Start
 from viscorod.solve.steady.steady_poses import nodal_state
 from viscorod.typing import Floats
 
-__all__ = ["StartState"]
+__all__ = ["StartState", "require_still"]
 
+STILL = 1e-4
+"""Part of the largest kinetic energy of a motion up to which a state of it rests."""
 SAME = 1e-6
 """Part of a rod's length by which its reference shape may differ."""
 
@@ -179,6 +181,33 @@ class StartState:
             times = np.asarray(data[self.result.dimension].values, dtype=float)
             state = int(np.argmin(np.abs(times - self._instant.time[0])))
         constraints.near[:] = np.asarray(data["joint_value"].values, dtype=float)[state]
+
+
+def require_still(found: StartState) -> None:
+    """Refuse a state of a motion that moves as one about which small motions are wanted.
+
+    Raises:
+        InputError: it moves, and nobody said that its velocities are to be left out.
+    """
+    result, problem = found.result, found.discrete.problem
+    if not isinstance(result, Run) or found.start.at_rest:
+        return
+    twist = found.state.twist
+    kinetic = 0.5 * float(np.einsum("ni,nij,nj->", twist, problem.mass, twist))
+    largest = float(np.asarray(result.data["kinetic"].values, dtype=float).max())
+    speed = max(float(np.abs(twist[:, :3]).max()), problem.length * float(np.abs(twist[:, 3:]).max()))
+    way = speed * float(np.ptp(result.time))  # [m] in the duration of the motion
+    if kinetic > STILL * largest and way > SAME * problem.length:
+        raise InputError(
+            Fault(
+                "about",
+                found.label,
+                "this state moves: small motions about it are not about a rest, and have no frequencies and damping of "
+                "their own",
+                "add at_rest = true for those about the equilibrium that is found near it, or give a steady rotation; "
+                "periodic motions have their Floquet multipliers",
+            )
+        )
 
 
 def _refused(key: str, found: str, why: str, instead: str) -> InputError:

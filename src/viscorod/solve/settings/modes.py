@@ -44,7 +44,8 @@ class ModesSettings(Meshed):
     about: AboutField = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
         'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
-        "equilibrium under the loads at t = 0- that is found from there",
+        "equilibrium under the loads at t = 0- that is found from there, of a motion that moves there with "
+        "`at_rest = true` only",
         default="equilibrium",
     )
     near: OptionalPositive = Key(

@@ -63,8 +63,9 @@ class _Ported(Definition):
     about: AboutField = Key(
         '"equilibrium" under the loads at t = 0- (just before t = 0), the equilibrium once "released", under those '
         'just after t = 0, or the "reference" shape (as if free of load); a state of an earlier result: about the '
-        "equilibrium under the loads at t = 0- that is found from there, or of a steady rotation about the one "
-        "with its angular velocity, in axes that turn with it",
+        "equilibrium under the loads at t = 0- that is found from there, of a motion that moves there with "
+        "`at_rest = true` only; or of a steady rotation about the one with its angular velocity, in axes that turn "
+        "with it",
         default="equilibrium",
     )
 
