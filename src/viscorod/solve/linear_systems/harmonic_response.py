@@ -15,6 +15,8 @@ from viscorod.typing import Floats
 
 __all__ = ["HarmonicResponse"]
 
+ROUND_OFF = 1e-12
+"""Part of what the motions of all nodes could make of an output below which it is round-off."""
 BESIDE = 1e-6
 """Distance from a pole, as a part of it, at which its residue is taken."""
 
@@ -71,7 +73,32 @@ class HarmonicResponse:
             len(poles), len(self.readings.outputs), len(self.inputs.signals)
         )
 
+    def silent(self, hertz: Floats) -> np.ndarray:
+        """Return which outputs do not answer which inputs at these frequencies [Hz] ``(outputs, inputs)``.
+
+        Their responses are round-off beside what as large motions of the nodes in other directions would make of them.
+        """
+        found = np.ones((len(self.readings.outputs), len(self.inputs.signals)), dtype=bool)
+        for f in hertz:
+            s = 2j * np.pi * float(f)
+            c, x, multipliers, times = self._solved(s)
+            moved = self.small.free @ x + times * np.asarray(self.small.held @ self.inputs.held)
+            size = np.linalg.norm(np.abs(moved).reshape(-1, 3, moved.shape[1]), axis=1, keepdims=True)
+            spread = np.broadcast_to(size, (len(size), 3, moved.shape[1])).reshape(moved.shape)
+            most = np.abs(self.readings.direct).astype(float)
+            if len(multipliers):
+                row = np.abs(self.readings.multipliers).sum(axis=1)[:, None]
+                most = most + row * np.abs(multipliers).max(axis=0)
+            for k in self._parts:
+                most = most + abs(c[k]) * (abs(self.readings.rows[k]) @ spread)
+            found &= np.abs(self._out(c, x, multipliers, times)) <= ROUND_OFF * most
+        return found
+
     def _at(self, s: complex) -> np.ndarray:
+        return self._out(*self._solved(s))
+
+    def _solved(self, s: complex) -> tuple[list[complex], np.ndarray, np.ndarray, np.ndarray]:
+        """Return coefficients, free motions, multipliers and factors of prescribed motions at ``s`` [1/s]."""
         c = self.small.at(s)
         size = self._solver.size
         right, gaps = self._force.astype(complex), self._gaps.astype(complex)
@@ -82,7 +109,10 @@ class HarmonicResponse:
                 right = right - (k * times) * pushed
         found = self._solver.solve(c, right, gaps)
         self.solved += 1
-        x, multipliers = found[:size], found[size:]
+        return c, found[:size], found[size:], times
+
+    def _out(self, c: list[complex], x: np.ndarray, multipliers: np.ndarray, times: np.ndarray) -> np.ndarray:
+        """Return what the outputs read."""
         out = self.readings.direct + self.readings.multipliers @ multipliers
         for k in self._parts:
             out = out + c[k] * (self._read[k] @ x)
