@@ -220,7 +220,7 @@ def common_variables(
         notes.append(f"this is not all that was asked for: {tracker.stopped}")
     elif not errors.known:
         notes.append(
-            "errors of the mesh were not estimated: the model is too large for a finer one beside it"
+            "errors of the mesh were not estimated: the model is too large for a finer one beside it, or nobody asked"
         )
     tau = 2.0 * np.pi
     variables: dict[str, Any] = {

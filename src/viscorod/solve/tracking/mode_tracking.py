@@ -106,6 +106,7 @@ class Tracker:
     samples: list[Sample] = field(default_factory=list)
     doubts: list[tuple[float, float, tuple[int, ...]]] = field(default_factory=list)
     _shift: float = 0.0
+    _space: int = 0
     _slopes: np.ndarray | None = None
 
     def follow(self, parameters: Sequence[float], first: int = 0) -> None:
@@ -155,12 +156,14 @@ class Tracker:
         wanted = min(self.count + 2 if count is None else count, pencil.size // 2)
         if self._shift == 0.0:
             self._shift = _first_shift(pencil)
-        found = pencil.slowest(wanted, reach, self._shift)
+        found = pencil.slowest(wanted, reach, self._shift, self._space)
+        if count is None:
+            self._space = found.space
         shapes = found.shapes
         for same in _clusters(found.roots):
             shapes[:, same] = self.family.principal(parameter, shapes[:, same])
         size = np.sqrt(np.einsum("ik,ik->k", shapes.conj(), self.family.mass @ shapes).real)
-        return Spectrum(found.roots, shapes / size, found.complete)
+        return Spectrum(found.roots, shapes / size, found.complete, found.space)
 
     def _begin(self, parameter: float) -> Sample:
         found = self.spectrum(parameter, 0.0)
