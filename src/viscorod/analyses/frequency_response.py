@@ -39,6 +39,8 @@ FURTHER = 2.0
 """Frequency up to which modes take part, over the highest of the band."""
 GROWS = 1e-9
 """Growth of a motion, as a part of its frequency, beyond round-off."""
+LOOKS, BESIDE = 12, 1.001
+"""Frequencies at which responses that are none are told from others at most, and how far beside resonances."""
 COMPARED = 20
 """Frequencies at which a modal solution is compared with the direct one, beside the resonances."""
 
@@ -59,6 +61,8 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
     response = HarmonicResponse(about.small, about.inputs, about.readings)
     poles = about.poles(high)
     residues = response.residues(poles.roots)
+    silent = response.silent(_looked_at(low, high, poles.roots))
+    residues[:, silent] = 0.0
     solve = response.at
     attributes: dict[str, float] = {}
     if settings.method == "modal":
@@ -75,7 +79,13 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
             f"a small motion at {abs(growing[0]) / (2.0 * np.pi):.6g} Hz grows by itself (s = {growing[0]:.5g} 1/s): "
             "the response is that of the equations, and no motion settles to it"
         )
-    watched = _watched(solve, discrete.options.stop)
+    sharp = poles.roots[np.abs(poles.roots.real) <= GROWS * np.abs(poles.roots)]
+    if settings.band is not None and len(sharp):
+        first = np.abs(sharp.imag).min() / (2.0 * np.pi)
+        notes.append(
+            f"nothing damps the vibration at {first:.6g} Hz: a response has no bound there, and no lines follow it"
+        )
+    watched = _watched(solve, silent, discrete.options.stop)
     if settings.band is None:
         found = _at_given(watched, given, discrete.options.progress)
     else:
@@ -100,16 +110,24 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
     )
 
 
+def _looked_at(low: float, high: float, roots: np.ndarray) -> Floats:
+    """Return frequencies [Hz] at which one sees what answers at all: both ends, and beside resonances."""
+    resonances = np.sort(np.abs(roots.imag)) / (2.0 * np.pi)
+    inside = BESIDE * resonances[(resonances > low) & (resonances < high)]
+    chosen = np.unique(np.linspace(0, max(len(inside) - 1, 0), LOOKS).round().astype(int))
+    return np.unique([low, *(inside[chosen] if len(inside) else ()), high])
+
+
 def _watched(
-    solve: Callable[[float], np.ndarray], stop: Callable[[], str] | None
+    solve: Callable[[float], np.ndarray], silent: np.ndarray, stop: Callable[[], str] | None
 ) -> Callable[[float], np.ndarray]:
-    """Return ``solve`` that ends where something asks for it before a frequency."""
+    """Return ``solve`` that ends where something asks for it before a frequency; ``silent`` responses are 0."""
 
     def at(hertz: float) -> np.ndarray:
         reason = stop() if stop is not None else ""
         if reason:
             raise StoppedError(reason)
-        return solve(hertz)
+        return np.where(silent, 0.0, solve(hertz))
 
     return at
 

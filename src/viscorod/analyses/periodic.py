@@ -48,6 +48,12 @@ def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
     model, problem = discrete.model, discrete.problem
     before, base = settings.about == "equilibrium", State.reference(problem)
     find_initial_equilibrium(discrete, base, before=before)
+    linear = linearise(discrete.static, base, before=before)
+    if linear.rigid:
+        raise InputError(
+            f"no periodic motion: nothing holds the model against {', '.join(linear.texts)}, so it has no place to "
+            "swing about; add supports or springs"
+        )
     signals = settings.inputs or ()
     drive = Drive.of(
         problem,

@@ -168,7 +168,7 @@ class FrequencyResponse(StatelessResult):
             for k, target in enumerate(self.outputs):
                 blocks.append(self._peaks(k, j, f"{target} over {source}, {self.unit(k, j)}"))
         rows = [
-            [str(name), f"{abs(s) / (2.0 * np.pi):.6g}", f"{-s.real / abs(s):.5g}"]
+            [str(name), f"{abs(s) / (2.0 * np.pi):.6g}", f"{-s.real / abs(s) + 0.0:.5g}"]
             for name, s in zip(self.data["pole_name"].values, self.poles, strict=True)
         ]
         if rows:
@@ -181,13 +181,15 @@ class FrequencyResponse(StatelessResult):
         found = self.resonances(k, j)
         if not found:
             size = self.amplification(k, j)
+            if not size.any():
+                return f"{title}: no response"
             return f"{title}: no peak; from {size.min():.5g} to {size.max():.5g}"
         header = ["peak of", "at [Hz]", "size", "half power", "circle", "pole"]
         rows = [
             [
                 one.name or "-",
                 f"{one.frequency:.6g}",
-                f"{one.amplitude:.5g}",
+                f"{'' if one.resolved else '> '}{one.amplitude:.5g}",
                 *(
                     "-" if ratio is None else f"{ratio:.4g}"
                     for ratio in (one.half_power, one.circle, one.pole)
@@ -195,7 +197,12 @@ class FrequencyResponse(StatelessResult):
             ]
             for one in found
         ]
-        return table(f"{title}: peaks, and damping ratios by three ways", header, rows)
+        text = table(f"{title}: peaks, and damping ratios by three ways", header, rows)
+        if all(one.resolved for one in found):
+            return text
+        return (
+            f"{text}\n  >: the frequencies there are too far apart to see how high the peak is; give a band"
+        )
 
     @checked
     def plot(self, path: str | Path, kind: str = "bode") -> Path:

@@ -106,8 +106,16 @@ class LinearSystem:
         return self.second_order.at(s)
 
     def response(self, frequencies: Sequence[float] | Floats) -> np.ndarray:
-        """Return the responses ``(frequencies, outputs, inputs)`` at frequencies [Hz]."""
-        return np.array([self.second_order.response(float(f)) for f in np.atleast_1d(frequencies)])
+        """Return the responses ``(frequencies, outputs, inputs)`` at frequencies [Hz].
+
+        Raises:
+            InputError: a frequency is no finite number >= 0.
+        """
+        given = np.atleast_1d(np.asarray(frequencies, dtype=float))
+        wrong = given[~((given >= 0.0) & (given < np.inf))]
+        if len(wrong):
+            raise InputError(f"frequencies: {wrong[0]:g}: give finite numbers >= 0, Hz")
+        return np.array([self.second_order.response(float(f)) for f in given])
 
     def first_order(self) -> StateMatrices:
         """Return the equations of first order, exact, with the branches as states.

@@ -16,6 +16,8 @@ PROMINENT = 1.2
 """Size of a peak over that of the valleys beside it at least."""
 LOPSIDED = 3.0
 """Distance of one half-power frequency from the peak over that of the other; of one mode alone it is below 1.6."""
+HIGHER = 1.05
+"""Height of the peak of a pole over that of the frequencies beside it, from which on they do not show it."""
 ON_CIRCLE = 4
 """Frequencies within the half-power band from which a circle is fitted."""
 
@@ -32,6 +34,8 @@ class Resonance:
             Pancu 1947, in the form of Ewins, Modal Testing, section 4.3); None where there are too few.
         pole: damping ratio of the pole that has most of the response there, and name: of its motion; None and empty
             where it is not near by.
+        resolved: frequencies are close enough to see the peak; if not, frequency and amplitude are the largest of those
+            that there are, and the peak of the pole is higher.
     """
 
     frequency: float
@@ -40,6 +44,7 @@ class Resonance:
     circle: float | None
     pole: float | None
     name: str
+    resolved: bool = True
 
 
 def resonances_of(
@@ -56,6 +61,11 @@ def resonances_of(
     found = []
     for k in _peaks(size):
         f, top = _summit(hertz[k - 1 : k + 2], size[k - 1 : k + 2])
+        unseen = _unseen(hertz[k - 1 : k + 2], top, poles, residues)
+        if unseen is not None:
+            ratio, name = -poles[unseen].real / abs(poles[unseen]) + 0.0, str(names[unseen])
+            found.append(Resonance(float(hertz[k]), float(size[k]), None, None, float(ratio), name, False))
+            continue
         low, high = _crossing(hertz, size, k, top, -1), _crossing(hertz, size, k, top, 1)
         half = circle = None
         if (
@@ -74,7 +84,7 @@ def resonances_of(
                 top,
                 half,
                 circle,
-                None if mine is None else float(-poles[mine].real / abs(poles[mine])),
+                None if mine is None else float(-poles[mine].real / abs(poles[mine]) + 0.0),
                 "" if mine is None else str(names[mine]),
             )
         )
@@ -88,6 +98,15 @@ def _pole_of(hertz: float, poles: np.ndarray, residues: np.ndarray) -> int | Non
     if not len(near):
         return None
     return int(near[np.argmax(np.abs(residues[near] / (2j * np.pi * hertz - poles[near])))])
+
+
+def _unseen(hertz: Floats, top: float, poles: np.ndarray, residues: np.ndarray) -> int | None:
+    """Return the pole between three frequencies whose peak is higher than what they show, too narrow for them."""
+    centres, widths = poles.imag / (2.0 * np.pi), np.abs(poles.real) / np.pi
+    inside = (centres > hertz[0]) & (centres < hertz[-1]) & (widths < np.diff(hertz).max())
+    heights = np.abs(residues) / np.maximum(np.abs(poles.real), 1e-30 * np.abs(poles))
+    hidden = np.flatnonzero(inside & (heights > HIGHER * top))
+    return int(hidden[np.argmax(heights[hidden])]) if len(hidden) else None
 
 
 def _peaks(size: Floats) -> list[int]:

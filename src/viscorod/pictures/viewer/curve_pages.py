@@ -367,7 +367,7 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
                     [
                         one.name or "-",
                         one.frequency,
-                        one.amplitude,
+                        one.amplitude if one.resolved else f"> {one.amplitude:.5g}",
                         *("-" if d is None else d for d in (one.half_power, one.circle, one.pole)),
                     ]
                     for one in result.resonances(k, j)

@@ -15,6 +15,8 @@ from viscorod.typing import Floats
 
 __all__ = ["HarmonicResponse"]
 
+ROUND_OFF = 1e-12
+"""Part of what the motions of all nodes could make of an output below which it is round-off."""
 BESIDE = 1e-6
 """Distance from a pole, as a part of it, at which its residue is taken."""
 
@@ -71,6 +73,28 @@ class HarmonicResponse:
         return np.array(found, dtype=complex).reshape(
             len(poles), len(self.readings.outputs), len(self.inputs.signals)
         )
+
+    def silent(self, hertz: Floats) -> np.ndarray:
+        """Return which outputs do not answer which inputs at these frequencies [Hz] ``(outputs, inputs)``.
+
+        Their responses are round-off beside what as large motions of the nodes in other directions would make of them.
+        """
+        found = np.ones((len(self.readings.outputs), len(self.inputs.signals)), dtype=bool)
+        for f in hertz:
+            s = 2j * np.pi * float(f)
+            c, solution, times = self.small.at(s), self.motion(s), self._times(s)
+            x, multipliers = solution[: self._solver.size], solution[self._solver.size :]
+            moved = self.small.free @ x + times * np.asarray(self.small.held @ self.inputs.held)
+            size = np.linalg.norm(np.abs(moved).reshape(-1, 3, moved.shape[1]), axis=1, keepdims=True)
+            spread = np.broadcast_to(size, (len(size), 3, moved.shape[1])).reshape(moved.shape)
+            most = np.abs(self.readings.direct).astype(float)
+            if len(multipliers):
+                row = np.abs(self.readings.multipliers).sum(axis=1)[:, None]
+                most = most + row * np.abs(multipliers).max(axis=0)
+            for k in self._parts:
+                most = most + abs(c[k]) * (abs(self.readings.rows[k]) @ spread)
+            found &= np.abs(self.read(s, solution)) <= ROUND_OFF * most
+        return found
 
     def _at(self, s: complex) -> np.ndarray:
         return self.read(s, self.motion(s))

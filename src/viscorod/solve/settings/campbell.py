@@ -121,4 +121,11 @@ class CampbellSettings(Meshed):
                 found="none" if self.band is None else "both",
                 at=("band",),
             )
+        if self.band is None and "count" in self.model_fields_set:
+            raise RefusedError(
+                "speeds that are given are as many as they are",
+                "leave it out, or give a band",
+                found=show(self.count),
+                at=("count",),
+            )
         return self

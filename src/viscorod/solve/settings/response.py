@@ -132,4 +132,11 @@ class ResponseSettings(_Ported, Meshed):
                 found="none" if self.band is None else "both",
                 at=("band",),
             )
+        if self.band is None and "tolerance" in self.model_fields_set:
+            raise RefusedError(
+                "frequencies that are given are not chosen to a tolerance",
+                "leave it out, or give a band",
+                found=show(self.tolerance),
+                at=("tolerance",),
+            )
         return self

@@ -8,7 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
-from viscorod.model.fields.definition import RefusedError
+from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import numbers, whole_number
@@ -76,5 +76,12 @@ class StabilitySettings(Meshed):
                 "give load_factors = [..] or band = [low, high]",
                 found="none" if self.band is None else "both",
                 at=("band",),
+            )
+        if self.band is None and "count" in self.model_fields_set:
+            raise RefusedError(
+                "load factors that are given are as many as they are",
+                "leave it out, or give a band",
+                found=show(self.count),
+                at=("count",),
             )
         return self
