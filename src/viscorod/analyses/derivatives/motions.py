@@ -94,6 +94,7 @@ def _require_known(settings: SimulateSettings, keys: Sequence[str]) -> None:
         InputError: of settings.
     """
     parts = {
+        "resume": (getattr(settings, "resume", False), "the steps before a motion was stopped are not known"),
         "modes": (settings.modes is not None, "the modes that a motion is sought in change too"),
         "events": (bool(settings.events), "the time of an event changes too"),
     }
