@@ -37,6 +37,11 @@ class StatelessResult(ABC):
     """By the keys of the numbers that were asked for; see ``Derivative``."""
 
     def __init__(self, data: xr.Dataset) -> None:
+        if not hasattr(data, "variables") or not hasattr(data, "attrs"):
+            raise InputError(
+                f"data: {type(data).__name__}: a {self.what} is made of an xarray.Dataset; viscorod.load reads one "
+                "from a file"
+            )
         known = self.variables()
         missing = [name for name in known if name not in data.variables]
         if data.attrs.get("kind") != self.kind or missing:
