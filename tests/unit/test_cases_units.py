@@ -4,7 +4,8 @@ import math
 
 import pytest
 
-from viscorod.analyses.sweep import _contents
+import viscorod as vr
+from viscorod.analyses.sweep import member_content
 from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted
@@ -250,9 +251,11 @@ def test_members_of_a_sweep_may_be_quantities():
     case = parse_case(WITH_UNITS)
     key, column = _column('rods.beam.section.radius="5 mm",0.006')
     assert column == ["5 mm", 0.006]
-    contents, notes = _contents(case, [{key: value} for value in column])
+    contents, notes = zip(
+        *(member_content(case.content, case.source, {key: value}, True) for value in column), strict=True
+    )
     radii = [case_from_dict(content).description.rods["beam"].section_at(0.0).radius for content in contents]
     assert radii == [0.005, 0.006]
-    assert notes == ["output_interval = 0.01 s, a 200th of the duration: the case gives none"]
+    assert notes == 2 * ("output_interval = 0.01 s, a 200th of the duration: the case gives none",)
     with pytest.raises(InputError, match=r"rods\.beam\.section\.radius: '5 kg': this is a mass"):
-        _contents(case, [{key: "5 kg"}])
+        vr.sweep(case, {key: ["5 mm", "5 kg"]})
