@@ -46,7 +46,7 @@ class CaseNumber:
         table, name, within = _place(key)
         part = _part(model, key, table, name)
         content = _completed(part, part.to_dict(), within)
-        value, size = _number(key, content, within)
+        value, size = _number(key, content, within, part)
 
         def changed(other: float) -> ModelDescription:
             new = copy.deepcopy(content)
@@ -150,20 +150,25 @@ def _inside(owner: Any, word: str | int) -> Any:
     return owner.get(word) if isinstance(owner, dict) else getattr(owner, word, None)
 
 
-def _number(key: str, content: dict[str, Any], within: list[str | int]) -> tuple[float, float]:
+def _number(
+    key: str, content: dict[str, Any], within: list[str | int], part: Definition
+) -> tuple[float, float]:
     """Return the number that a key ends at, and the size of numbers of its kind."""
     place: Any = content
+    owner: Any = part
     around: list[Any] = []
     for word in within:
         around = place if isinstance(place, list) else [place]
         try:
             place = place[word]
         except (KeyError, IndexError, TypeError):
-            known = some_of(place) if isinstance(place, dict) else show(place)
-            hint = did_you_mean(word, place, str) if isinstance(place, dict) else ""
+            words = _words(place, owner)
+            known = some_of(words) if words else show(place)
+            hint = did_you_mean(word, words, str) if words else ""
             raise InputError(
                 Fault("derivatives", show(key), "there is no such number", f"{hint}here are {known}")
             ) from None
+        owner = _inside(owner, word)
     if isinstance(place, str) and "function" in place:
         why = "a Python function stands here, whose numbers have no keys"
         raise InputError(Fault("derivatives", show(key), why, "give it by numbers"))
@@ -171,6 +176,14 @@ def _number(key: str, content: dict[str, Any], within: list[str | int]) -> tuple
         raise InputError(Fault("derivatives", show(key), f"this is {show(place)}", "name a number"))
     beside = [abs(x) for x in around if isinstance(x, int | float)] if len(around) > 1 else []
     return float(place), max([abs(float(place)), *beside])
+
+
+def _words(place: Any, owner: Any) -> list[str]:
+    """Return the words that may follow in a key: what is given, and what has a default."""
+    if not isinstance(place, dict):
+        return []
+    fields = list(type(owner).model_fields) if isinstance(owner, Definition) else []
+    return list(dict.fromkeys([*map(str, place), *fields]))
 
 
 def _with_part(

@@ -54,7 +54,7 @@ def motion_derivatives(
     keys: Sequence[str],
 ) -> dict[str, Derivative[Run]]:
     """Return the derivatives of a motion at all its stored times."""
-    _require_known(settings, keys)
+    _require_known(settings, run, keys)
     part = min(1.0, FEW_STEPS / max(len(run.ends_of_steps), 1))
     every = [Neighbours.of(model, key, discrete, part) for key in keys]
     start = _Start(discrete, settings, run)
@@ -87,15 +87,19 @@ def _hardly_moved(runs: Sequence[Run], length: float) -> bool:
     return max(float(np.abs(other - first).max()) for other in others) < LITTLE * length
 
 
-def _require_known(settings: SimulateSettings, keys: Sequence[str]) -> None:
+def _require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> None:
     """Refuse motions that have no derivatives here.
 
     Raises:
         InputError: of settings.
     """
     parts = {
+        "resume": (getattr(settings, "resume", False), "the steps before a motion was stopped are not known"),
         "modes": (settings.modes is not None, "the modes that a motion is sought in change too"),
-        "events": (bool(settings.events), "the time of an event changes too"),
+        "events": (
+            bool(run.data.attrs.get("ended_by")),
+            "an event ended the motion, at a time that changes too",
+        ),
     }
     for name, (there, why) in parts.items():
         if there:

@@ -31,6 +31,8 @@ __all__ = ["Neighbour", "Neighbours", "Scheme"]
 
 STEP = 1e-3
 """Change of a number, as a part of it."""
+ROUNDING = 1e-9
+"""Part of the length of a rod by which places that are one may differ."""
 
 
 class Scheme(NamedTuple):
@@ -167,14 +169,17 @@ def _moved(model: ModelDescription, other: ModelDescription, divisions: Division
         here, there = (_corners(one, name) for one in (model, other))
         if len(here) != len(there):
             raise InputError(Fault(f"rods.{name}", "", "the places where elements must end differ", ""))
+        ends = division.ends
+        fixed = np.abs(here[:, None] - ends).min(axis=1) <= ROUNDING * ends[-1]
+        here, there = here[fixed], there[fixed]
         order = np.argsort(here)
-        ends = np.interp(division.ends, here[order], there[order])
+        ends = np.interp(ends, here[order], there[order])
         found[name] = Division(division.order, ends)
     return found
 
 
 def _corners(model: ModelDescription, name: str) -> np.ndarray:
-    """Return the arc lengths of a rod at which elements end, in the order in which they are given."""
+    """Return the arc lengths of a rod at which elements may have to end, in the order in which they are given."""
     rod = model.rods[name]
     places = [*required_breaks(model), *(place for load in model.loads for place in load.breaks(model))]
     return np.array([0.0, rod.length, *rod.section_breaks, *(p.s for p in places if p.rod == name)])
