@@ -2,6 +2,7 @@
 
 from . import programs as programs
 from .analyses.co_simulation import CoSimulation as CoSimulation
+from .analyses.ensemble import ensemble as ensemble
 from .analyses.identify import identify as identify
 from .analyses.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
@@ -97,7 +98,9 @@ from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
+from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
+from .results.ensemble import Ensemble as Ensemble
 from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting

@@ -63,6 +63,7 @@ class CallOptions:
         anew: begin anew where a motion was stopped in that folder.
         attributes: of the result, beside those that all have, such as the text of its case file.
         derivatives: keys of the numbers of the model by which derivatives of the result are wanted.
+        errors: estimate the errors of mesh and steps; where the program chooses the mesh it needs them.
     """
 
     title: str = ""
@@ -73,6 +74,7 @@ class CallOptions:
     anew: bool = False
     attributes: dict[str, str] = field(default_factory=dict)
     derivatives: tuple[str, ...] = ()
+    errors: bool = True
 
 
 P = ParamSpec("P")
@@ -201,7 +203,7 @@ class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     )
 
 
-class ResponseArguments(ResponseSettings, Progressing):
+class ResponseArguments(ResponseSettings, Progressing, Differentiated):
     """Arguments of ``Model.frequency_response``."""
 
 
@@ -221,7 +223,7 @@ class PeriodicArguments(PeriodicSettings, Progressing):
     """Arguments of ``Model.periodic``."""
 
 
-class SteadyArguments(SteadySettings, Watched):
+class SteadyArguments(SteadySettings, Watched, Differentiated):
     """Arguments of ``Model.steady``."""
 
 

@@ -12,8 +12,10 @@ from viscorod.results.campbell import Campbell
 from viscorod.results.energy import Energy
 from viscorod.results.followed_modes import FollowedModes
 from viscorod.results.frequency_response import FrequencyResponse
+from viscorod.results.mesh_error import mesh_errors
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic
+from viscorod.results.result import Result
 from viscorod.results.run import Run
 
 if TYPE_CHECKING:
@@ -56,6 +58,11 @@ FIGURES = {
     ),
     "steps": Figure("1", "steps taken", "steps", "{:.0f}".format),
     "wall_time_s": Figure("s", "wall time", "wall time [s]", "{:.3g}".format),
+    "time_reached": Figure("s", "end of the motion", "until [s]", "{:.6g}".format),
+    "mesh_error": Figure(
+        "1", "estimated error of positions by the mesh, over the length", "mesh error", "{:.1g}".format
+    ),
+    "step_error": Figure("m", "estimated error of positions by the steps", "step error [m]", "{:.1g}".format),
     "numerical_fraction": Figure(
         "1",
         "largest numerical remainder of the energy account over the energy that moved",
@@ -64,7 +71,7 @@ FIGURES = {
     ),
 }
 """All of them, in the order of the columns of a table; they are variables of a sweep's data set too."""
-OF_STATES = ("steps", "numerical_fraction")
+OF_STATES = ("steps", "numerical_fraction", "time_reached", "mesh_error", "step_error")
 """Figures that say little beside others."""
 
 
@@ -74,7 +81,12 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
         return {}
     attrs = result.data.attrs
     found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
+    if isinstance(result, Result) and (mesh := mesh_errors(result)):
+        found["mesh_error"] = max(mesh.values())
     if isinstance(result, Run):
+        steps = result.step_errors
+        found |= {"step_error": steps["position"]} if "position" in steps else {}
+        found["time_reached"] = float(result.time[-1])
         found["numerical_fraction"] = Energy.of(result.data).numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
@@ -115,4 +127,4 @@ def shown(rows: list[dict[str, float]]) -> list[str]:
     """Return the names of the figures that a table of members has: those of any member, without what says little."""
     known = [name for name in FIGURES if any(name in row for row in rows)]
     telling = [name for name in known if name not in (*OF_STATES, "wall_time_s")]
-    return [name for name in known if not telling or name not in OF_STATES]
+    return [name for name in known if not telling or name not in OF_STATES if name != "time_reached"]
