@@ -104,6 +104,8 @@ def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "con
 
     def solved(theta: Floats) -> tuple[Floats, Floats, Floats]:
         full = waves.basis(theta)
+        if not np.isfinite(full).all():
+            raise FloatingPointError("the sines grow beyond all numbers")
         coefficients = np.asarray(np.linalg.lstsq(full, values, rcond=None)[0], dtype=float)
         return full, coefficients, full @ coefficients - values
 
@@ -257,7 +259,7 @@ def pencil_poles(times: Floats, values: Floats, count: int) -> np.ndarray:
     steps = np.linalg.eigvals(np.linalg.lstsq(subspace[:-1], subspace[1:], rcond=None)[0])
     s: np.ndarray = np.log(steps[np.abs(steps) > 0.0].astype(complex)) / step
     s = s[s.imag > 1e-6 / step]
-    s = s[np.abs(s.real) * step * len(y) < 200.0]
+    s = s[np.abs(s.real) * step * len(y) < 100.0]
     if not len(s):
         return s
     t = np.arange(len(y)) * step

@@ -100,13 +100,14 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
         log_a[free] = layout.settled(log_a, weights / scatter[:, None])
         solution, residual = layout.solved(log_a, weights / scatter[:, None])
         for k in (0, 1):
-            scatter[k] = max(1.4826 * float(np.median(np.abs(residual[k][known[k]]))), FINEST)
+            usual = 1.4826 * float(np.median(np.abs(residual[k][known[k]])))
+            scatter[k] = max(usual * layout.loosened(log_a), FINEST)
         off = np.abs(residual) / scatter[:, None]
         weights = np.where(known, np.sqrt(np.minimum(1.0, HUBER / np.maximum(off, 1e-12))), 0.0)
         if np.abs(log_a - before).max() < SETTLED:
             break
     weighted = layout.whole(log_a, solution, weights / scatter[:, None])
-    covariance = _covariance(weighted, weights * residual / scatter[:, None], sweep, layout.size, free, count)
+    covariance = _covariance(weighted, residual / scatter[:, None], weights, sweep, layout.size, free, count)
     log_b = np.zeros(count)
     if vertical:
         log_b[free] = solution[2 * layout.size :]
@@ -225,6 +226,12 @@ class _Layout:
         ]
         return np.vstack([*parts, np.zeros((len(self.penalty), len(self.free)))])
 
+    def loosened(self, log_a: Floats) -> float:
+        """Return by how much residuals are smaller than the scatter, for the numbers that are fitted."""
+        curve = float(np.ptp(self.reduced(log_a))) / DECADE * KNOTS + 3.0
+        used = curve + 0.5 * (len(self.free) + self.lifted.shape[1])
+        return float(np.sqrt(1.0 / max(1.0 - used / len(self.x), 0.3)))
+
     def rows(self, weights: Floats) -> Floats:
         return np.concatenate([weights.ravel(), np.ones(len(self.penalty))])
 
@@ -289,18 +296,36 @@ def _second_differences(celsius: Floats) -> Floats:
 
 
 def _covariance(
-    weighted: Floats, residual: Floats, sweep: np.ndarray, size: int, free: np.ndarray, count: int
+    weighted: Floats,
+    residual: Floats,
+    weights: Floats,
+    sweep: np.ndarray,
+    size: int,
+    free: np.ndarray,
+    count: int,
 ) -> Floats:
-    """Return the covariance of ln a and ln b: of white scatter, times what neighbours in a sweep have in common."""
-    freedom = max(np.count_nonzero(residual) - weighted.shape[1] + 2 * (size - 3), 1)
-    variance = float(np.sum(residual**2)) / freedom
+    """Return the covariance of ln a and ln b of robust least squares, times what neighbours in a sweep have in common.
+
+    That of Huber's estimate (Street, Carroll and Ruppert 1988): the mean square of what the weights leave of the
+    residuals over the square of the part of them that has its full weight.
+    """
+    inverse = np.linalg.pinv(weighted.T @ weighted, rcond=1e-13, hermitian=True)
+    points = weighted[: residual.size]
+    used = float(
+        np.sum((points @ inverse) * points)
+    )  # numbers that the points determine; the penalties hold the rest
+    known = weights > 0.0
+    freedom = max(np.count_nonzero(known) - used, 1.0)
+    left = weights**2 * residual
+    full = float(np.mean(weights[known] == 1.0))
+    variance = float(np.sum(left**2)) / freedom * float(np.mean(weights[known] ** 2)) / max(full, 0.5) ** 2
+    residual = weights * residual
     same = sweep[1:] == sweep[:-1]
     pairs = [
         float(np.sum((one[1:] * one[:-1])[same]) / max(np.sum((one[1:] ** 2)[same]), 1e-300))
         for one in residual
     ]
     rho = float(np.clip(np.mean(pairs), 0.0, 0.9))
-    inverse = np.linalg.pinv(weighted.T @ weighted, rcond=1e-13, hermitian=True)
     part = inverse[2 * size :, 2 * size :] * variance * (1.0 + rho) / (1.0 - rho)
     found = np.zeros((2 * count, 2 * count))
     places = np.concatenate([free, count + free])[: len(part)]
