@@ -14,7 +14,7 @@ from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
-from viscorod.analyses.identification.laws import compared_laws
+from viscorod.analyses.identification.laws import compared_laws, require_laws
 from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.named_combinations import combinations
 from viscorod.analyses.identification.sought import Range, series_of, sought
@@ -120,6 +120,7 @@ def identify(
         raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
     pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
     held = pairs_of(left_out, None) if left_out else []
+    require_laws([*pairs, *held], laws)
     found = fitted(
         pairs,
         wanted,

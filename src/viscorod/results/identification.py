@@ -163,6 +163,11 @@ class Identification(StatelessResult):
         return found
 
     @property
+    def intervals(self) -> dict[str, tuple[float, float]]:
+        """Ends of the intervals by name; infinite (0 below, of positive numbers) where the data cannot tell."""
+        return {name: (one.low, one.high) for name, one in self.numbers.items()}
+
+    @property
     def parameters(self) -> dict[str, Number]:
         """Those of the model."""
         mine = self._values("nuisance") == 0.0

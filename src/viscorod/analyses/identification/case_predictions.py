@@ -49,14 +49,12 @@ class CasePredictions:
         return {one.name: float(value) for one, value in zip(self._unknowns, unknowns, strict=True)}
 
     def _of_member(self, member: Member, named: Mapping[str, float]) -> Floats:
-        result = member.result(member.numbers(named))
-        return np.concatenate([record.predicted(result, named) for record in member.records])
+        return np.concatenate([member.predicted(record, named) for record in member.records])
 
     def _slopes(self, member: Member, unknowns: Floats, *, rough: bool) -> Floats:
         named = self._named(unknowns)
-        result = member.result(member.numbers(named))
-        own = [record.by_nuisances(result, named) for record in member.records]
-        here = np.concatenate([record.predicted(result, named) for record in member.records])
+        own = [record.by_nuisances(member.compared(record, named), named) for record in member.records]
+        here = self._of_member(member, named)
         sizes = [len(record.observed) for record in member.records]
         out = np.zeros((sum(sizes), len(unknowns)))
         for k, one in enumerate(self._unknowns):

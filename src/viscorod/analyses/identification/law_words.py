@@ -21,7 +21,7 @@ __all__ = ["variant"]
 
 START = 0.05
 """Loss factor at which the search for one begins."""
-BAND = 30.0
+BAND = 10.0
 """A flat loss factor holds from the frequency of the record over this to that times this."""
 DECADE = 10.0
 """Ratio of the relaxation times of neighbouring branches."""

@@ -15,6 +15,7 @@ from viscorod.analyses.identification.sought import Range
 from viscorod.analyses.identification.told import dominant_frequencies, number_text
 from viscorod.casefile.case import Case
 from viscorod.errors import InputError, SolveError
+from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.least_squares import leverage
 from viscorod.solve.estimation.noise import Noise, noise_of
@@ -23,13 +24,15 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     from viscorod.analyses.identify import Fitted
 
-__all__ = ["Compared", "compared_laws"]
+__all__ = ["Compared", "compared_laws", "law_sentences", "require_laws"]
 
 Pairs = Sequence[tuple[Case, Any]]
 Fit = Callable[..., "Fitted"]
 
 EXCLUDED, ALIKE = 10.0, 4.0
 """Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
+"""What damps outside of the material, in words."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -118,7 +121,22 @@ def compared_laws(
         ),
     }
     words = [[one.name, _values(one.found)] for one in done]
-    return Compared(columns, words, _sentences(names, columns, count))
+    shares = {one.name: _lost_outside(one) for one in done if "air_drag" in one.name}
+    lost = {name: share for name, share in shares.items() if share is not None}
+    return Compared(
+        columns, words, law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost)
+    )
+
+
+def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
+    """Refuse laws that there are not, or that a case does not fit, before anything is computed.
+
+    Raises:
+        InputError: there is one.
+    """
+    hertz = _frequency(pairs) if laws else 0.0
+    for name in laws:
+        _variants(pairs, name, hertz)
 
 
 def _fitted(
@@ -216,8 +234,21 @@ def _values(found: Fitted) -> str:
     return "; ".join(texts)
 
 
-def _sentences(names: Sequence[str], columns: Mapping[str, Floats], count: float) -> list[str]:
-    aicc, errors = columns["law_aicc"], columns["law_prediction"]
+def law_sentences(
+    names: Sequence[str],
+    aicc: Floats,
+    errors: Floats,
+    count: float,
+    lost_outside: Mapping[str, float],
+) -> list[str]:
+    """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
+
+    Args:
+        names: of the laws, the best first; aicc: Akaike's criterion less the least.
+        errors: of records left out over their noise, zeros where none was.
+        count: effective number of values.
+        lost_outside: part of the lost energy that drag took, by law.
+    """
     out = []
     excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
     alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
@@ -228,7 +259,46 @@ def _sentences(names: Sequence[str], columns: Mapping[str, Floats], count: float
         out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
     else:
         out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
+    out += _outside(names, aicc, alike, lost_outside)
     if errors.any():
         first = int(np.argmin(errors))
-        out.append(f"Of what was left out {names[first]} predicts best.")
+        listed = ", ".join(
+            f"{name} {errors[k] / errors[first]:.3g}" for k, name in enumerate(names) if k != first
+        )
+        more = f" (times its error: {listed})" if listed else ""
+        out.append(f"Of what was left out {names[first]} predicts best{more}.")
     return out
+
+
+def _outside(
+    names: Sequence[str], aicc: Floats, alike: Sequence[str], lost_outside: Mapping[str, float]
+) -> list[str]:
+    """Return whether part of the damping is not the material's."""
+    out = []
+    merit = dict(zip(names, aicc, strict=True))
+    for name in alike:
+        inside = [part.strip() for part in name.split("+") if part.strip() not in OUTSIDE]
+        others = [part.strip() for part in name.split("+") if part.strip() in OUTSIDE]
+        pure = " + ".join(inside) or "elastic"
+        if not others or pure not in merit:
+            continue
+        what = " and ".join(OUTSIDE[part] for part in others)
+        share = f", {100.0 * lost_outside[name]:.2g} % of the lost energy" if name in lost_outside else ""
+        if merit[pure] - merit[name] > EXCLUDED:
+            text = f"Part of the damping is not the material's: {what} takes its part{share}; "
+            text += f"{pure} alone is excluded."
+        else:
+            text = f"These data do not tell whether {what} takes part in the damping{share}."
+        out.append(text)
+    return out
+
+
+def _lost_outside(one: _One) -> float | None:
+    """Return the part of the lost energy that drag took in all motions of a fit; None where nothing moved in time."""
+    outside = whole = 0.0
+    for member in one.found.members:
+        result = member.result(member.numbers(one.found.named))
+        if isinstance(result, Run):
+            outside += float(result.energy.outside[-1])
+            whole += float(result.energy.outside[-1] + result.energy.viscous[-1])
+    return outside / whole if whole > 0.0 else None

@@ -29,6 +29,7 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.results.any_result import AnyResult
@@ -111,6 +112,26 @@ class Member:
             case = replace(case_with(self.case, values), settings=self.case.settings)
             self._last = key, self._computed(case)
         return self._last[1]
+
+    def predicted(self, record: Any, named: Mapping[str, float]) -> Floats:
+        """Return what the case says of a record, with unknowns by name."""
+        found: Floats = record.predicted(self.compared(record, named), named)
+        return found
+
+    def compared(self, record: Any, named: Mapping[str, float]) -> Any:
+        """Return what a record is compared with: the result of the case, or its material.
+
+        Raises:
+            InputError: the case has several materials.
+        """
+        if record.analysis != "material":
+            return self.result(self.numbers(named))
+        case = case_with(self.case, self.numbers(named))
+        materials = {id(rod.material): rod.material for rod in case.description.rods.values()}
+        if len(materials) != 1:
+            why = "moduli are those of one material"
+            raise InputError(Fault("case", f"{len(materials)} materials", why, "give a case with one"))
+        return next(iter(materials.values()))
 
     def _computed(self, case: Case) -> AnyResult:
         with last_warnings() as kept:
