@@ -91,12 +91,14 @@ from .records.other_records import ModesRecord as ModesRecord
 from .records.other_records import ModuliRecord as ModuliRecord
 from .records.other_records import ResponseRecord as ResponseRecord
 from .records.other_records import StaticRecord as StaticRecord
+from .records.pole_fit import modal_fit as modal_fit
 from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
+from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
 from .results.ensemble import Ensemble as Ensemble
 from .results.files.storage import load as load
@@ -108,6 +110,7 @@ from .results.identification import Law as Law
 from .results.identification import Number as Number
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.master_curve_result import MasterCurve as MasterCurve
+from .results.modal_fit_result import ModalFit as ModalFit
 from .results.modes_result import Modes as Modes
 from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem

@@ -108,7 +108,8 @@ def after(steps):
 
 @pytest.fixture
 def eager(monkeypatch):
-    """Write and make checkpoints as often as possible."""
+    """Write and make checkpoints as often as possible, without waiting for the disk."""
+    monkeypatch.setattr(os, "fsync", lambda handle: None)
     monkeypatch.setattr(streaming, "SHARE", 1.0)
     monkeypatch.setattr(streaming, "FLUSH", 0.0)
     monkeypatch.setattr(streaming, "CHECKPOINT", 0.0)

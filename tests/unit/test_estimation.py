@@ -167,10 +167,10 @@ def test_autoregressions():
 def test_starts_find_the_lower_of_two_minima():
     """A frequency far off locks into a neighbouring period; of many starts the right one wins."""
     sought = Unknowns([Unknown("E", 3.0, 0.3, 6.0, logarithmic=True), Unknown("tau", 0.01, logarithmic=True)])
-    measured = Swing().values(TRUTH)
+    measured = Swing().values(TRUTH) + SIZE * np.random.default_rng(8).normal(size=len(TIMES))
     one = estimate(Swing(), measured, histories(), sought)
     many = estimate(Swing(), measured, histories(), sought, starts=12, seed=1)
-    np.testing.assert_allclose(many.values, TRUTH, rtol=1e-3)
+    np.testing.assert_allclose(many.values, TRUTH, rtol=0.1)
     assert many.agreeing >= 2
     assert many.square <= one.square * 1.001
 

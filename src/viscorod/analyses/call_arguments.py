@@ -203,7 +203,7 @@ class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     )
 
 
-class ResponseArguments(ResponseSettings, Progressing):
+class ResponseArguments(ResponseSettings, Progressing, Differentiated):
     """Arguments of ``Model.frequency_response``."""
 
 
@@ -223,7 +223,7 @@ class PeriodicArguments(PeriodicSettings, Progressing):
     """Arguments of ``Model.periodic``."""
 
 
-class SteadyArguments(SteadySettings, Watched):
+class SteadyArguments(SteadySettings, Watched, Differentiated):
     """Arguments of ``Model.steady``."""
 
 

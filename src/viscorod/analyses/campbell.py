@@ -26,7 +26,7 @@ from viscorod.results.campbell import Campbell
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.driven_rotations import DrivenRotations
-from viscorod.solve.steady.steady_checks import require_steady
+from viscorod.solve.steady.steady_checks import SupportKind, require_steady, support_kind
 from viscorod.solve.steady.whirl import Rounds
 from viscorod.solve.tracking.engine_orders import Critical, critical_speeds
 from viscorod.solve.tracking.meetings import meetings
@@ -47,6 +47,16 @@ def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRota
     require_no_initial_strain(discrete)
     steady = settings.steady()
     require_steady(discrete.model, discrete.problem, steady)
+    if settings.values[0] == 0.0 and support_kind(discrete.problem) is not SupportKind.HELD:
+        raise InputError(
+            Fault(
+                "speeds" if settings.band is None else "band",
+                "0 rad/s",
+                "supports leave the model free to turn as a whole, and at rest it has no modes in place of those that "
+                "wobble",
+                "begin above 0, or add supports",
+            )
+        )
     return DrivenRotations(discrete.static, steady)
 
 

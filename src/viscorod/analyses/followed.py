@@ -37,9 +37,11 @@ __all__ = [
 MOST_MESHES = 12
 """Meshes that are tried at most."""
 STILL = 1e-6
-"""Part of the median of the roots below which one is that of a motion at rest."""
+"""Part of the largest root below which one is that of a motion at rest."""
 SAME = 1e-6
 """Distance of two roots, as a part of them, within which they are one."""
+SOUGHT = 10.0
+"""Size of a root over the largest that is followed, beyond which the search for slow ones does not find it exactly."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
@@ -167,11 +169,12 @@ def _frequencies(family: Family, at: float, count: int) -> np.ndarray:
 
 def _stray(samples: list[Sample]) -> float | None:
     """Return the first value of the parameter at which a motion grows that is not followed; None without."""
+    still = STILL * max(float(np.abs(sample.roots).max()) for sample in samples)
     for sample in samples:
         known = np.concatenate([sample.roots, sample.roots.conj()])
-        still = STILL * float(np.median(np.abs(sample.roots)))
+        far = SOUGHT * float(np.abs(sample.roots).max())
         for s in sample.spectrum.roots:
-            if abs(s) > still and grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
+            if still < abs(s) < far and grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
                 return sample.parameter
     return None
 

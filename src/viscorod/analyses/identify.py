@@ -56,7 +56,7 @@ class Fitted:
 
     def cases(self) -> list[Case]:
         """Return the cases with the fitted numbers, settings as they were."""
-        return [case_with(member.case, self.named) for member in self.members]
+        return [case_with(member.case, member.numbers(self.named)) for member in self.members]
 
 
 def identify(

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.identification import Identification
     from viscorod.results.master_curve_result import MasterCurve
+    from viscorod.results.modal_fit_result import ModalFit
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -33,6 +34,7 @@ if TYPE_CHECKING:
         | Identification
         | Decay
         | MasterCurve
+        | ModalFit
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -49,6 +51,7 @@ KINDS = {
     "periodic": ("periodic", "Periodic"),
     "identification": ("identification", "Identification"),
     "decay": ("decay_result", "Decay"),
+    "modal_fit": ("modal_fit_result", "ModalFit"),
     "master_curve": ("master_curve_result", "MasterCurve"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""

@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from viscorod.analyses.identification.case_numbers import number_at
 from viscorod.analyses.identification.members import Member
 from viscorod.solve.estimation.unknowns import Unknown
 from viscorod.typing import Floats
@@ -34,8 +33,6 @@ class CasePredictions:
         self, members: Sequence[Member], unknowns: Sequence[Unknown], believed: Sequence[int]
     ) -> None:
         self._members, self._unknowns, self._believed = members, unknowns, list(believed)
-        of_records = {full for one in members for record in one.records for full in _own(record)}
-        self._of_case = [one.name not in of_records for one in unknowns]
 
     def values(self, unknowns: Floats) -> Floats:
         """See `Predictions`."""
@@ -51,28 +48,19 @@ class CasePredictions:
     def _named(self, unknowns: Floats) -> dict[str, float]:
         return {one.name: float(value) for one, value in zip(self._unknowns, unknowns, strict=True)}
 
-    def _numbers(self, member: Member, named: Mapping[str, float]) -> dict[str, float]:
-        """Return those numbers that a case has."""
-        return {
-            one.name: named[one.name]
-            for one, of_case in zip(self._unknowns, self._of_case, strict=True)
-            if of_case and number_at(member.case, one.name) is not None
-        }
-
     def _of_member(self, member: Member, named: Mapping[str, float]) -> Floats:
-        result = member.result(self._numbers(member, named))
+        result = member.result(member.numbers(named))
         return np.concatenate([record.predicted(result, named) for record in member.records])
 
     def _slopes(self, member: Member, unknowns: Floats, *, rough: bool) -> Floats:
         named = self._named(unknowns)
-        result = member.result(self._numbers(member, named))
+        result = member.result(member.numbers(named))
         own = [record.by_nuisances(result, named) for record in member.records]
         here = np.concatenate([record.predicted(result, named) for record in member.records])
         sizes = [len(record.observed) for record in member.records]
         out = np.zeros((sum(sizes), len(unknowns)))
-        has = self._numbers(member, named)
         for k, one in enumerate(self._unknowns):
-            if one.name in has:
+            if member.key_of(one.name) is not None:
                 step = (ONE_SIDED if rough else STEP) * (abs(unknowns[k]) if one.logarithmic else one.scale)
                 if rough and unknowns[k] + step > one.high:
                     step = -step
@@ -88,8 +76,3 @@ class CasePredictions:
                         out[begin : begin + size, k] = slopes[one.name]
                     begin += size
         return out
-
-
-def _own(record: object) -> list[str]:
-    """Return the names of the unknowns of a measurement that are no numbers of a case."""
-    return [full for full, one in record.nuisances.items() if one.key is None]  # type: ignore[attr-defined]

@@ -142,7 +142,8 @@ def _fitted(
         prediction = None
         if left_out:
             others, _ = _variants(left_out, name, hertz)
-            known = [case_with(case, found.named) for case, _ in others]
+            shared = {key: value for key, value in found.named.items() if key in kept or key in own}
+            known = [case_with(case, shared) for case, _ in others]
             again = {id(case): new for (case, _), new in zip(others, known, strict=True)}
             held = [(again[id(case)], record) for case, record in others]
             prediction = fit(held, {}, nuisances, coloured=False, only_nuisances=True)

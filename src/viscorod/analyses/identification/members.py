@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +14,7 @@ from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.frequency_response import frequency_response
-from viscorod.analyses.identification.case_numbers import case_with
+from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.modes import modes
 from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
@@ -79,6 +80,25 @@ class Member:
                 Fault("case", self.case.kind, "records are not compared with this", f"use {words}")
             )
         self.case = replace(self.case, settings=self._settled())
+
+    @cached_property
+    def own(self) -> dict[str, str]:
+        """Unknowns of the records that are numbers of this case alone, by full name: their keys."""
+        return {
+            full: one.key
+            for record in self.records
+            for full, one in record.nuisances.items()
+            if one.key is not None
+        }
+
+    def key_of(self, name: str) -> str | None:
+        """Return the key (or several that are equal) of an unknown in this case; None if it is none of its numbers."""
+        key = self.own.get(name, name)
+        return key if number_at(self.case, key) is not None else None
+
+    def numbers(self, named: Mapping[str, float]) -> dict[str, float]:
+        """Return by key those of several unknowns that are numbers of this case."""
+        return {key: value for name, value in named.items() if (key := self.key_of(name)) is not None}
 
     def result(self, values: Mapping[str, float]) -> AnyResult:
         """Return the result of the case with these numbers; the last one is kept.

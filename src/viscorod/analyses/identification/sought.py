@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from typing import Any, TypeAlias
 
 import numpy as np
@@ -54,11 +55,8 @@ def sought(
                 faults += error.problems
     for full, (one, span) in of_records.items():
         given = nuisances.get(full, nuisances.get(one.name))
-        name = one.key or full
-        if any(name == other.name for other in found):
-            continue
         try:
-            unknown = _of_measurement(members, name, one, span, given)
+            unknown = _of_measurement(members, full, one, span, given)
         except InputError as error:
             faults += error.problems
             continue
@@ -113,7 +111,8 @@ def _of_case(members: Sequence[Member], name: str, given: Range, *, nuisance: bo
 def _of_measurement(members: Sequence[Member], name: str, one: Any, span: float, given: Range) -> Unknown:
     if one.key is not None:
         inside = None if one.low is None or one.high is None else (one.low, one.start, one.high)
-        return _of_case(members, one.key, given if given is not None else inside or one.start, nuisance=True)
+        found = _of_case(members, one.key, given if given is not None else inside or one.start, nuisance=True)
+        return replace(found, name=name)
     low, start, high = one.low, one.start, one.high
     if given is not None:
         low, start, high = _range(name, given, one.start)

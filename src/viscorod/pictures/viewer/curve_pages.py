@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.pictures.viewer.curve_parts import CurveParts
 from viscorod.pictures.viewer.page import curve_page
 from viscorod.results.campbell import Campbell
@@ -30,7 +31,7 @@ def curves_of(result: StatelessResult, most: int) -> str:
     """Return the text of the page of a result, with ``most`` places along its curves at most.
 
     Raises:
-        TypeError: results of this kind have no such page.
+        InputError: results of this kind have no such page.
     """
     if isinstance(result, FollowedModes):
         parts = _followed(result, most)
@@ -39,7 +40,7 @@ def curves_of(result: StatelessResult, most: int) -> str:
     elif isinstance(result, FrequencyResponse):
         parts = _response(result, most)
     else:
-        raise TypeError(result.what)
+        raise InputError(f"a {result.what} has no page in the browser; draw it with its method plot")
     shown = len(parts.chosen)
     notes = [] if shown == parts.total else [f"{shown} of {parts.total} places along the curves are shown"]
     meta = {

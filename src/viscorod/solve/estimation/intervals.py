@@ -32,6 +32,8 @@ CERTAIN = 1e6
 """Degrees of freedom of noise that was told."""
 ALONE = float(np.sqrt(1.0 - PART**2))
 """Part of a direction that is not seen along one unknown from which on it is only that unknown."""
+STRAIGHT = 0.005
+"""Relative standard error below which the sum of squares is taken for a parabola."""
 FARTHER, FAR = float(np.log(3.0)), 12
 """Steps in which the end of the interval of such an unknown is sought, and how many."""
 SKEWED = 0.1
@@ -154,9 +156,10 @@ def intervals(
             continue
         way = known.matrix[:, k] / known.deviations[k]
         ends, how = [], "Laplace"
+        straight = found.unknowns[k].logarithmic and known.deviations[k] < STRAIGHT
         for sign, bound in ((-1.0, low[k]), (1.0, high[k])):
             end = float(found.z[k] + sign * reach * known.deviations[k])
-            if square is not None and _skewed(square, found, way, sign * reach, (low, high)):
+            if square is not None and not straight and _skewed(square, found, way, sign * reach, (low, high)):
                 assert profile is not None
                 end, how = profile_end(profile, found, k, end, reach, bound), "profile"
             beyond = end <= bound if sign < 0.0 else end >= bound

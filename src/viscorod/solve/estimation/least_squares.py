@@ -26,6 +26,8 @@ ROUNDS = 4
 """Times that the noise is estimated at most."""
 SETTLED = 0.05
 """Standard errors by which new weights may move the unknowns without another search."""
+NEAR = 0.5
+"""Standard errors by which they may move them by one step with the slopes that there are."""
 STATISTICAL = 5e-4
 """Change of the sum of squares, in units of the noise, that is not worth another iteration."""
 REGION = 0.5
@@ -33,6 +35,9 @@ REGION = 0.5
 HELD = 0.2
 """One over the change of these that is held back as much as one standard deviation of a value: it leaves where they are
 those that the data do not tell, and moves others by nothing that matters."""
+MOST_CARRIED, GAINED, FLAT = 2, 0.5, 0.98
+"""Times that slopes are carried on before they are computed again; the part of the sum of squares that a step must
+leave at most for that, or at least, where the search has come to its end."""
 SAME = 1e-3
 """Relative difference of sums of squares below which two starts have found the same minimum."""
 
@@ -110,6 +115,32 @@ class Scaled:
         return self._predictions.jacobian(self._unknowns.values(z), rough=rough) * self._unknowns.slopes(z)
 
 
+class Followed:
+    """Slopes along a search: computed at first and where steps gain little, else carried on by Broyden's update.
+
+    C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Math. Comp. 19 (1965) 577-593.
+    """
+
+    def __init__(self, residual: Callable[[Floats], Floats], slopes: Callable[[Floats], Floats]) -> None:
+        self._residual, self._slopes = residual, slopes
+        self._last: tuple[Floats, Floats, Floats] | None = None
+        self._carried = 0
+
+    def slopes(self, z: Floats) -> Floats:
+        """Return the derivatives of the residuals at z, which has just been evaluated."""
+        found, now = None, self._residual(z)
+        if self._last is not None and self._carried < MOST_CARRIED:
+            before, then, slopes = self._last
+            step = z - before
+            part = float(now @ now) / max(float(then @ then), 1e-300)
+            if step.any() and (part < GAINED or FLAT < part <= 1.0):
+                found = slopes + np.outer(now - then - slopes @ step, step) / (step @ step)
+        self._carried = 0 if found is None else self._carried + 1
+        found = self._slopes(z) if found is None else found
+        self._last = z.copy(), now, found
+        return found
+
+
 def estimate(
     predictions: Predictions,
     measured: Floats,
@@ -178,8 +209,13 @@ def _weighted(
         noise = noise_of(series, measured - predicted, used, coloured=coloured, robust=robust)
         white = noise.whitened(slopes)
         step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
-        if float(np.linalg.norm(white @ step)) < SETTLED:
+        far = float(np.linalg.norm(white @ step))
+        if far < SETTLED:
             break
+        if far < NEAR:
+            z = z + step
+            predicted = scaled.values(z)
+            continue
         moved = searched(scaled, measured, noise, unknowns.bounds, z + step, unknowns.start)
         if not np.array_equal(moved, z):
             z, predicted, slopes = moved, scaled.values(moved), scaled.jacobian(moved)
@@ -252,15 +288,18 @@ def searched(
             white = refused
         return np.append(white, HELD * (origin + steps - held))
 
-    def slopes(steps: Floats) -> Floats:
-        white = noise.whitened(scaled.jacobian(origin + steps, rough=True))
-        return np.concatenate([white, HELD * np.eye(len(steps))])
+    followed = Followed(
+        residual,
+        lambda steps: np.concatenate(
+            [noise.whitened(scaled.jacobian(origin + steps, rough=True)), HELD * np.eye(len(steps))]
+        ),
+    )
 
     tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-5))
     found = least_squares(
         residual,
         np.full(len(start), REGION),
-        slopes,
+        followed.slopes,
         bounds=(low - origin, high - origin),
         x_scale=1.0,
         ftol=tolerance,

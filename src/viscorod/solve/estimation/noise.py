@@ -23,6 +23,8 @@ LEAST_OWN = 30
 """Values that a series must have for a noise level of its own; smaller ones share one."""
 MOST_ORDER = 12
 """Terms of an autoregression at most."""
+LARGER = 0.01
+"""Probability of such residuals below which noise that was told counts as larger."""
 HUBER = 1.345
 """Residuals beyond so many standard deviations count less in a robust fit (95 % efficient for normal noise)."""
 MEDIAN_TO_DEVIATION = 1.4826
@@ -173,7 +175,8 @@ def noise_of(
 ) -> Noise:
     """Return the noise that residuals show.
 
-    A level that was told is taken as the least that the noise can be in series that are too short for their own.
+    A level that was told is kept in series that are too short for their own, unless the residuals are
+    significantly larger.
 
     Args:
         series: the series of the residuals.
@@ -191,8 +194,7 @@ def noise_of(
             continue
         if one.count < LEAST_OWN:
             alike = [o for o in series if o.count < LEAST_OWN and (o.group, o.told) == (one.group, one.told)]
-            factor = _shared(alike, residuals, used)
-            found.append(SeriesNoise(max(factor, 1.0) if one.told else factor, used=taken))
+            found.append(SeriesNoise(_shared(alike, residuals, used, told=one.told), used=taken))
             continue
         weights = None
         free = max(one.count - taken, 1.0)
@@ -213,13 +215,13 @@ def noise_of(
     return Noise(tuple(series), tuple(found))
 
 
-def _shared(series: Sequence[Series], residuals: Floats, used: Floats) -> float:
-    """Return the common level of short series, over their noise."""
-    if not series:
-        return 1.0
+def _shared(series: Sequence[Series], residuals: Floats, used: Floats, *, told: bool) -> float:
+    """Return the common level of short series, over their noise; 1 of noise that was told, unless it is larger."""
     square = sum(float(np.sum((residuals[one.rows] / one.noise) ** 2)) for one in series)
     free = sum(one.count - float(used[one.rows].sum()) for one in series)
-    return float(np.sqrt(square / free)) if free > 0.5 and square > 0.0 else 1.0
+    if free <= 0.5 or square <= 0.0 or (told and float(stats.chi2.sf(square, free)) > LARGER):
+        return 1.0
+    return float(np.sqrt(square / free))
 
 
 def autocorrelation(residuals: Floats, count: int) -> Floats:

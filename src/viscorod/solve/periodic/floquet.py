@@ -15,15 +15,18 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import linalg
 
+from viscorod.errors import Fault, InputError
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.periodic.floquet_kernels import fill_steps
 from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
-from viscorod.solve.periodic.orbit_matrix import WholeMatrices, strains_of_nodes
+from viscorod.solve.periodic.orbit_matrix import strains_of_nodes, whole_matrix
 from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.typing import Floats, Integers
 
 __all__ = ["multipliers"]
 
+MOST = 400
+"""Motions that couple at most: a period of one orbit takes about half a minute then."""
 STAGES = 5
 STEPS = 8
 """Steps of a period at least; more than one for every harmonic. Order 9: a vibration that swings once in a step keeps
@@ -34,19 +37,31 @@ def multipliers(
     balance: OrbitBalance,
     omega: float,
     linear: Linearised,
-    matrices: WholeMatrices,
     groups: Sequence[Integers],
     steps: int = 0,
 ) -> np.ndarray:
     """Return all Floquet multipliers, the largest first.
 
     Args:
-        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit,
-            and the same as ``matrices``.
+        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit.
         groups: of motions that do not couple; steps: of a period, chosen unless given.
+
+    Raises:
+        InputError: more motions couple than full matrices are good for.
     """
+    largest = max(map(len, groups))
+    if largest > MOST:
+        raise InputError(
+            Fault(
+                "stability",
+                "true",
+                f"{largest} motions of the model couple, and Floquet multipliers come from full matrices of {MOST} "
+                "at most",
+                "give stability = false, or fewer elements",
+            )
+        )
     steps = steps or max(STEPS, balance.fourier.harmonics * 3 // 2)
-    whole = _Coefficients(balance, linear, matrices, steps)
+    whole = _Coefficients(balance, linear, steps)
     found = []
     for motions in groups:
         first = None
@@ -61,7 +76,7 @@ def multipliers(
 class _Coefficients:
     """Coefficients of small motions at all stages of all steps of a period, scaled."""
 
-    def __init__(self, balance: OrbitBalance, linear: Linearised, whole: WholeMatrices, steps: int) -> None:
+    def __init__(self, balance: OrbitBalance, linear: Linearised, steps: int) -> None:
         self.balance, self.steps, self.method = balance, steps, radau(STAGES)
         problem = balance.problem
         self.size, self.stages = 6 * problem.size, STAGES
@@ -70,7 +85,11 @@ class _Coefficients:
         unit = unit_of(problem.length)
         self.unit = np.ones(6 * problem.pattern.size)
         self.unit[: self.size] = np.tile([unit] * 3 + [1.0] * 3, problem.size)
-        self.K, self.C, self.M, self.ad = whole
+        pattern, nodes = problem.pattern, np.arange(problem.size)
+        self.K, self.C = (
+            whole_matrix(balance, part, pattern.rows, pattern.columns) for part in (linear.K, linear.C)
+        )
+        self.M, self.ad = (whole_matrix(balance, part, nodes, nodes) for part in (linear.M, linear.ad))
         self.partial = balance.supports.partial
         self.Z: Floats | None = None
         if len(self.partial):
