@@ -1,7 +1,7 @@
 """Sweeps as tables: products of values, named numbers, records on disk, any executor."""
 
 import json
-from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 
 import numpy as np
 import pandas as pd
@@ -247,6 +247,42 @@ def test_threads_give_the_same_bits(swing, tmp_path):
         sweep = vr.sweep(swing, values, quantities=quantities, executor=threads, progress=done.append)
     assert sweep.table()["tip"].tolist() == alone
     assert done[-1] == 5.0
+
+
+class Losing(Executor):
+    """Loses the worker of one member, before it computes or after that; all else is computed at once."""
+
+    def __init__(self, after):
+        self.after, self.lost = after, 0
+
+    def submit(self, work, jobs):
+        future = Future()
+        if any(row[SHEAR] == 0.02 for row, *_ in jobs):
+            self.lost += 1
+            if self.after:
+                work(jobs)
+            future.set_exception(OSError("no heartbeat"))
+        else:
+            future.set_result(work(jobs))
+        return future
+
+    def shutdown(self, *_, **__):
+        return
+
+
+@pytest.mark.parametrize("after", [False, True])
+def test_a_member_that_loses_its_worker_is_tried_three_times(swing, after, tmp_path):
+    """What it left on disk counts; a member that never gets so far is reported, and costs no other anything."""
+    executor = Losing(after)
+    given = {"quantities": {"tip": TIP}, "errors": 0}
+    values = {SHEAR: [0.01, 0.02, 0.03]}
+    table = vr.sweep(swing, values, executor=executor, folder=tmp_path, **given).table()
+    assert executor.lost == (1 if after else 3)
+    assert table["outcome"].tolist() == ["completed", "completed" if after else "failed", "completed"]
+    if after:
+        assert table["tip"].tolist() == vr.sweep(swing, values, workers=1, **given).table()["tip"].tolist()
+    else:
+        assert table["message"][1] == "its worker was lost 3 times (OSError: no heartbeat)"
 
 
 @pytest.mark.parametrize("executor", ["fork", "processes:0", "threads:x", 3])

@@ -178,7 +178,10 @@ def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], ke
 
 def _require_places(case: Case, places: Mapping[str, str]) -> None:
     """Refuse places that the model does not have."""
-    discrete = discretised_case(case)
+    try:
+        discrete = discretised_case(case)
+    except InputError:  # that is a failure of this member
+        return
     for place, name in places.items():
         try:
             discrete.place(place)

@@ -45,13 +45,21 @@ def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
             yield lambda done: bar.update(task, completed=done)
         return
     shown = 0
+    first: tuple[float, float] | None = None  # when, and what was done before
 
     def update(done: float) -> None:
-        nonlocal shown
+        nonlocal shown, first
+        now = time.monotonic()
+        first = first or (now, done)
         part = int(_LINES * done / total * (1.0 + 1e-9))
         if part > shown:
             shown = part
-            print(f"{done:.1f} of {total} {noun}", file=sys.stderr, flush=True)
+            began, start = first
+            state = f"{done:.1f} of {total} {noun}"
+            if done > start and now > began:
+                rate = (done - start) / (now - began)
+                state += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.1f} s left"
+            print(state, file=sys.stderr, flush=True)
 
     yield update
 

@@ -261,11 +261,27 @@ class Ensemble(Sweep):
             blocks.append(table("Quantiles", header, lines))
         if design.indices:
             blocks.append(self._indices_text())
+        blocks.append(self._errors_text())
         told = [f"member {member.number}: {member.message}" for member in self.members if member.message]
         blocks += told[:10]
         if len(told) > 10:
             blocks.append(f"and {len(told) - 10} more messages in the table")
         return "\n\n".join([*blocks, *self.notes])
+
+    def _errors_text(self) -> str:
+        """Say what mesh and steps leave, of the members for which that was estimated."""
+        rows = [member.figures() for member in self.completed]
+        parts = []
+        for name, what, unit in (
+            ("mesh_error", "by the mesh", "of the length"),
+            ("step_error", "by the steps", "m"),
+        ):
+            known = [row[name] for row in rows if name in row]
+            if known:
+                parts.append(f"{what} {max(known):.1g} {unit} ({len(known)} of {len(rows)} members)")
+        if not parts:
+            return "Errors of mesh and steps were not estimated."
+        return f"Positions are off, at most and as estimated, {' and '.join(parts)}."
 
     def _indices_text(self) -> str:
         try:

@@ -22,6 +22,7 @@ from viscorod.results.sweep_figures import FIGURES
 
 if TYPE_CHECKING:
     from viscorod.results.any_result import AnyResult
+    from viscorod.results.between_records import Instants
     from viscorod.results.result import Result
     from viscorod.typing import Floats
 
@@ -288,7 +289,7 @@ def _checked_decay(rest: list[Word]) -> tuple[Word, ...]:
 
 def _read(result: AnyResult, words: tuple[Word, ...]) -> Number:
     """Return what is read at a place, reduced."""
-    from viscorod.results.probe import fields_at, instants_of
+    from viscorod.results.probe import instants_of
     from viscorod.results.run import Run
 
     head, place, how = str(words[0]), str(words[1]), words[-1]
@@ -303,10 +304,7 @@ def _read(result: AnyResult, words: tuple[Word, ...]) -> Number:
             instants = instants_of(result, how)
         elif isinstance(result, Run) and how == HISTORY:
             instants = instants_of(result, np.linspace(0.0, result.time[-1], HISTORY_TIMES))
-        fields = fields_at(found, [found.sites.at(place)], instants)
-        if head not in fields:
-            raise InputError(f"{head} is not known at {place}")
-        values = fields[head][:, 0]
+        values = _at(found, place, head, instants)
     if component == _SIZE:
         values = np.linalg.norm(values, axis=-1)
     elif component:
@@ -316,6 +314,19 @@ def _read(result: AnyResult, words: tuple[Word, ...]) -> Number:
     if how == HISTORY:
         return [float(value) for value in values]
     return float(values[0]) if isinstance(how, float) else _REDUCTIONS[how](along, values)
+
+
+def _at(result: Result, place: str, head: str, instants: Instants | None) -> Floats:
+    """Return a field at a place, in stored states or at instants."""
+    from viscorod.results.probe import fields_at
+
+    site = result.sites.at(place)
+    if instants is None and head in ("position", "displacement"):  # no other field is read
+        return result.vector(site, "position" if head == "position" else "displacement")
+    fields = fields_at(result, [site], instants)
+    if head not in fields:
+        raise InputError(f"{head} is not known at {place}")
+    return fields[head][:, 0]
 
 
 def _reaction(result: Result, place: str) -> Floats:

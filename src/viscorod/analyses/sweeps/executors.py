@@ -126,7 +126,7 @@ def through(
             task.collect()
             if progress is not None:
                 progress(float(len(task.found)))
-    except (BrokenExecutor, RuntimeError) as error:  # it broke, or was shut down
+    except BrokenExecutor as error:
         task.take_from_disk()
         return task.all(), f"the executor gave up ({type(error).__name__}: {str(error)[:200]})"
     except BaseException:
@@ -161,8 +161,10 @@ class _Tasks:
                 batch = [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
             try:
                 future = self._executor.submit(self._batch, [self._jobs[k] for k in batch])
-            except BaseException:
+            except BaseException as error:
                 self._waiting.extendleft(batch)
+                if type(error) is RuntimeError:  # it was shut down
+                    raise BrokenExecutor(str(error)) from error
                 raise
             self.running[future] = batch
 
