@@ -10,6 +10,9 @@ import numpy as np
 
 from viscorod.typing import Floats
 
+NO_LOSS: Floats = np.zeros(0)
+"""What no Maxwell branches dissipate [J]."""
+
 
 class Progressing(Protocol):
     """Energies of an integrator after a step, for the energy account."""
@@ -55,7 +58,7 @@ class EnergyAccount:
     start: float = 0.0
     outside: float = 0.0
     actuator: float = 0.0
-    branches: Floats = field(default_factory=lambda: np.zeros(0))
+    branches: Floats = field(default_factory=lambda: NO_LOSS)
 
     @property
     def numerical(self) -> float:
@@ -76,7 +79,8 @@ class EnergyAccount:
         self.viscous += step.loss
         self.outside += step.outside
         self.actuator += step.actuator
-        self.branches = self.branches + step.branch_loss
+        if len(self.branches):
+            self.branches = self.branches + step.branch_loss
 
     @property
     def recorded(self) -> tuple[float, ...]:

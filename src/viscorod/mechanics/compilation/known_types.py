@@ -24,27 +24,28 @@ class KnownTypes:
 
     Args:
         kernel: that is called.
+
+    Attributes:
+        call: the kernel, from its second call on as machine code.
     """
 
-    __slots__ = ("_code", "_kernel")
+    __slots__ = ("_kernel", "call")
 
     _found: ClassVar[dict[Any, Code]] = {}
     """Machine code by kernel and kinds of arguments: Numba takes milliseconds to find it."""
 
     def __init__(self, kernel: Code) -> None:
         self._kernel = kernel
-        self._code: Code | None = kernel if PURE_PYTHON else None
+        self.call: Code = kernel if PURE_PYTHON else self._first_call
 
-    def __call__(self, *arguments: Any) -> Any:
-        """Call the kernel."""
-        if self._code is None:
-            self._code = self._machine_code(arguments)
-        return self._code(*arguments)
+    def _first_call(self, *arguments: Any) -> Any:
+        self.call = self._machine_code(arguments)
+        return self.call(*arguments)
 
     def take_over(self, other: KnownTypes) -> None:
         """Use the machine code of another call of the same kernel with arguments of the same types, if it is known."""
-        if self._code is None and self._kernel is other._kernel:
-            self._code = other._code
+        if self._kernel is other._kernel and other.call != other._first_call:
+            self.call = other.call
 
     def _machine_code(self, arguments: tuple[Any, ...]) -> Code:
         key = self._kernel, _kinds(arguments)

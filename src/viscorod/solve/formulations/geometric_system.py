@@ -75,7 +75,7 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_columns = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
-        self._moving = KnownTypes(geometric.assemble), KnownTypes(collect)
+        self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
         self.constraints = Constraints(problem, self.elements)
         order, self._positions = gauss_positions(problem.sets)
         self._places = gauss_indices(problem.sets)[order]
@@ -258,10 +258,13 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
-        elements = self._elements._replace(stiffness=self._stiffness)  # motions have the whole rest strains
+        elements = self._elements  # motions have the whole rest strains
+        if self.relaxation is not None:
+            elements = elements._replace(stiffness=self._stiffness)
         if self.imposed.changes:
             elements = elements._replace(reference=self._reference)
-        self._add_elements(elements, stress, state, (True, ad, True), out, operators, self._moving)
+        kernels = self._assemble.call, self._collect.call
+        self._add_elements(elements, stress, state, (True, ad, True), out, operators, kernels)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

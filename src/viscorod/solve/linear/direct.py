@@ -49,6 +49,7 @@ class DirectSolver:
         self.plan = plan
         self._sparse = None if plan.banded else _SparseLU(plan, self._kind)
         self.factors = Factors.of(plan, self._kind, self._sparse.callback.address if self._sparse else 0)
+        self._places = plan.fronts[2], plan.kept, plan.targets
 
     @property
     def description(self) -> str:
@@ -61,18 +62,10 @@ class DirectSolver:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
-        plan, f = self.plan, self.factors
-        code = self._reduce(
-            np.ascontiguousarray(blocks, dtype=self._kind),
-            plan.fronts[2],
-            plan.kept,
-            plan.targets,
-            f.values,
-            f.fronts,
-            f.integers,
-            f.groups,
-            f.rest,
-        )
+        values, fronts, _, integers, _, groups, _, rest = self.factors
+        if blocks.dtype != self._kind or not blocks.flags.c_contiguous:
+            blocks = np.ascontiguousarray(blocks, dtype=self._kind)
+        code = self._reduce.call(blocks, *self._places, values, fronts, integers, groups, rest)
         if code != 0:
             if not np.isfinite(blocks).all():
                 self.factors.values.fill(np.nan)  # nor are solutions finite

@@ -28,7 +28,7 @@ class StackedSolvers:
         self._take(plan)
 
     def _take(self, plan: Plan) -> None:
-        self._plan = plan
+        self.plan = plan
         self._solvers = [DirectSolver(plan, complex) for _ in range(self._count)]
         one, count = Factors.of(plan, complex, 0), (self._count, 1)
         self.factors = one._replace(
@@ -48,9 +48,11 @@ class StackedSolvers:
         """Factorise all matrices, with values ``blocks (p, b, 6, 6)``; raises as :meth:`DirectSolver.factorise`."""
         for solver, values in zip(self._solvers, blocks, strict=True):
             solver.factorise(values)
-        if any(solver.plan is not self._plan for solver in self._solvers):
-            self._take(self._plan.plain)
-            self.factorise(blocks)
+        for solver in self._solvers:
+            if solver.plan is not self.plan:
+                self._take(self.plan.plain)
+                self.factorise(blocks)
+                return
 
     def check(self) -> None:
         """Raise what went wrong in solutions within compiled code."""

@@ -231,24 +231,29 @@ class Transient:
         self, before: EnergyAccount, t: float, end: float, stop: float | None, iterations: int
     ) -> None:
         """Record what is due of the step from ``t`` to ``end`` [s], or to where the run stops in it."""
-        integrator, account, history = self.integrator, self.account, self.result.history
+        integrator, history = self.integrator, self.result.history
         times = self._record_times(t, end, self.output_interval, end == self.duration)
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
-        parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        least, after = -np.inf, account.copy()
+        if not times:
+            return
+        parts = [(at - t) / (end - t) for at in times]
+        while parts and parts[-1] > 1.0 - 1e-9:
+            parts.pop()
+        least, after = -np.inf, self.account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
             states, share = integrator.between(some)
             loss = share.loss
             loss[0] = max(loss[0], least)
-            np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
+            if len(loss) > 1:
+                np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
             least = loss[-1]
             energy = EnergiesWithin(before, after, some, states.kinetic, share)
             instants = times[begin : begin + len(some)]
             history.extend(instants, Records(states, energy), end - t, iterations)
         if len(times) > len(parts):
-            history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
+            history.record(times[-1], integrator.snapshot(), after, end - t, iterations)
 
     def saved(self) -> SavedTree:
         """Return the state from which another run of the same model can go on."""

@@ -18,7 +18,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.energy_account import StepShare
+from viscorod.solve.energy_account import NO_LOSS, StepShare
 from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
@@ -59,7 +59,7 @@ _OUTCOME = {
 }
 
 
-SCRATCH = frozenset({"_ad", "_points", "actions"})
+SCRATCH = frozenset({"_ad", "_parts", "_points", "_reached", "actions"})
 """What every step computes anew."""
 
 
@@ -135,6 +135,8 @@ class Collocation:
         self._kept = Kept(
             self._force, self._reaction, self._stress, self.predictor.X, self.predictor.stresses
         )
+        self._parts = StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch)
+        self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
         self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
         self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
@@ -193,7 +195,7 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
-        code, count, size, rate, unknown, error, worst = self._try_step(*self.step_arguments(h))
+        code, count, size, rate, unknown, error, worst = self._try_step.call(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
@@ -214,7 +216,9 @@ class Collocation:
 
     def step_arguments(self, h: float) -> tuple[Any, ...]:
         """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""
-        state = self.state
+        state, factors = self.state, self.systems.factors
+        if self._parts.factors is not factors:
+            self._parts = self._parts._replace(factors=factors)
         return (
             self.body,
             self.tableau,
@@ -222,7 +226,7 @@ class Collocation:
             h,
             self.actions.motion,
             self.actions.stage_loads,
-            StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch),
+            self._parts,
             IterationLimits(self.newton_tolerance, self.iterations, self._rate),
             self.ends,
             self.forces.motion,
@@ -274,10 +278,10 @@ class Collocation:
 
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        states, work, loss = self.recorder.between(
+        states, work, loss, nothing = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
-        outside = actuator = np.zeros(len(parts))
+        outside = actuator = nothing
         if len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
             outside = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[2])
         if len(self.stages.rest):
@@ -294,7 +298,7 @@ class Collocation:
     @property
     def branch_loss(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros(0) if self.dashpots is None else self.dashpots.loss
+        return NO_LOSS if self.dashpots is None else self.dashpots.loss
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
@@ -361,14 +365,16 @@ class Collocation:
     def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Make the last stage, ``end`` with its kinetic energy [J], the new state."""
         self.state = State(end.r, end.q, end.twist, self.state.multiplier)
-        self.forces.set_strains(self._whole_strain(self._last))
-        if len(self.supports.partial):
+        if self.forces.motion is not None:
+            self.forces.set_strains(self._whole_strain(self._last))
+        partial = len(self.supports.partial) > 0
+        if partial:
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
-        if len(self.supports.partial) or self.stage_constraints is not None:  # twists have been projected
+        if partial or self.stage_constraints is not None:  # twists have been projected
             kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._end_rate, self.kinetic = end.rate, kinetic
         self.recorder.record_end(self.state, kinetic, self.elastic)
@@ -426,7 +432,7 @@ class Collocation:
     def _renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        self._adjoint(state.twist, self._ad)
+        self._adjoint.call(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -434,7 +440,7 @@ class Collocation:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        self._add_inertia(
+        self._add_inertia.call(
             body.mass,
             state.twist,
             self._ad,
@@ -445,7 +451,7 @@ class Collocation:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        self._project(
+        self._project.call(
             body.supports,
             self.supports.target,
             self._reaction,

@@ -68,7 +68,7 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        self._extrapolate(
+        self._extrapolate.call(
             tableau,
             self._gap,
             LastStep(self._step, old.r, old.q, old.twist, self.X, self._stress),

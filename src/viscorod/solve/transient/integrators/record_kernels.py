@@ -210,7 +210,7 @@ class Between(NamedTuple):
 
     Attributes:
         r, q, twist: of the nodes ``(k, n, ...)``; fields: as in :class:`ResultFields`.
-        energies: kinetic; work and viscous loss since the start of the step ``(3, k)`` [J].
+        energies: kinetic; work and viscous loss since the start of the step, and nothing ``(4, k)`` [J].
     """
 
     r: Floats
@@ -227,7 +227,7 @@ class Between(NamedTuple):
             np.empty((count, nodes, 4)),
             np.empty((count, nodes, 6)),
             ResultFields(np.empty((3, count, points, 6)), np.empty((count, supports, 6))),
-            np.empty((3, count)),
+            np.zeros((4, count)),
         )
 
     def first(self, count: int) -> Between:

@@ -44,7 +44,7 @@ class StepRecorder:
 
     snapshot: Snapshot
 
-    unsaved = frozenset({"_reactions", "_start", "_start_rate"})
+    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "_start_rate"})
 
     def __init__(
         self,
@@ -59,6 +59,8 @@ class StepRecorder:
     ) -> None:
         self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
+        self._held = supports.moving and body.partly  # poses within steps are corrected
+        self._inner = tableau.exact_inside
         self._reading = Reading.of(places, body.mass, body.split, body.supports)
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
@@ -92,11 +94,10 @@ class StepRecorder:
         """
         self._start = (state, self._fields, self.snapshot.reaction)
         end = StepEnd.of(self.stages, self._reading)
-        kinetic, self.strain, *shares = self._end_step(
+        kinetic, self.strain, work, loss, outside = self._end_step.call(
             h, self.tableau, self.stages, account, self.motion.target, self._reading, kept, end
         )
         self._fields, self._reactions = end.points, end.reactions
-        work, loss, outside = shares
         return end, kinetic, (work, loss, outside)
 
     def record_end(self, state: State, kinetic: float, elastic: float) -> None:
@@ -117,8 +118,8 @@ class StepRecorder:
         end_rate: Floats,
         powers: Floats,
         whole_loss: float,
-    ) -> tuple[Snapshots, Floats, Floats]:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss ``(k,)`` [J] up to there.
+    ) -> tuple[Snapshots, Floats, Floats, Floats]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, work and loss ``(k,)`` [J] up to there, zeros.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
         towards the stages if they are many; Gauss points and reactions follow the stages.
@@ -130,7 +131,7 @@ class StepRecorder:
             whole_loss: viscous, of the step [J].
         """
         (old, start, start_reaction), stages = self._start, self.stages
-        count, held, inner = len(parts), self.supports.moving and self.body.partly, self.tableau.exact_inside
+        count, held, inner = len(parts), self._held, self._inner
         found = Between.of(count + len(inner), len(new.r), start.shape[1], len(start_reaction))
         given = (
             h,
@@ -146,7 +147,7 @@ class StepRecorder:
         )
         corrected = held or len(inner) > 0
         places = np.append(parts, inner) if len(inner) else parts
-        self._read_between(places, *given, True, not corrected, found)
+        self._read_between.call(places, *given, True, not corrected, found)
         if len(inner):
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
@@ -160,11 +161,11 @@ class StepRecorder:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
         if corrected:
-            self._read_between(parts, *given, False, True, found)
+            self._read_between.call(parts, *given, False, True, found)
         joints = None
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
-        (strain, rate, force), (kinetic, work, loss) = found.fields.points, found.energies
+        (strain, rate, force), (kinetic, work, loss, nothing) = found.fields.points, found.energies
         snapshots = Snapshots(
             found.r,
             found.q,
@@ -175,10 +176,10 @@ class StepRecorder:
             force,
             found.fields.reactions,
             kinetic,
-            np.zeros(count),
+            nothing,
             joints,
         )
-        return snapshots, work, loss
+        return snapshots, work, loss, nothing
 
 
 def interpolate_states(
