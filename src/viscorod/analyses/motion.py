@@ -30,13 +30,14 @@ from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import History
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.reduced.reduced_motion import ReducedMotion
+from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
@@ -121,7 +122,6 @@ def _motion(
         return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
 
     def after_step() -> str:
-        discrete.watch.note(stream.start, integrator.t, integrator.snapshot)
         if written is not None:
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
@@ -136,6 +136,7 @@ def _motion(
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
+        notes=_Noted(discrete.watch, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
     interrupted = result.outcome is Outcome.INTERRUPTED
@@ -177,6 +178,21 @@ def _motion(
     if message:
         raise SolveError(message, run)
     return run
+
+
+class _Noted:
+    """Lets the mesh watch note states of a motion."""
+
+    def __init__(self, watch: MeshWatch, stream: Stream) -> None:
+        self.watch, self.stream = watch, stream
+
+    def coming(self, steps: int) -> list[int]:
+        """See ``transient_solver.Notes``."""
+        return self.watch.coming(steps)
+
+    def passed(self, steps: int, t: float, state: Callable[[], Snapshot]) -> None:
+        """See ``transient_solver.Notes``."""
+        self.watch.note(self.stream.start, t, state, steps)
 
 
 def _tell(attrs: dict[str, Any], doubt: str) -> None:

@@ -122,15 +122,34 @@ class EnergiesWithin(NamedTuple):
         before = np.repeat(
             np.array([(*step.before.recorded, step.before.start) for step in steps]), counts, 0
         )
-        _, _, lost, work, first, out, moved, start = before.T
         last = np.repeat([step.end.numerical for step in steps], counts)
         parts, kinetic = (np.concatenate([step[k] for step in steps]) for k in (2, 3))
-        shares = (np.concatenate([step.step[k] for step in steps]) for k in range(4))
-        external, viscous, outside, actuator = (
-            sum_ + share for sum_, share in zip((work, lost, out, moved), shares, strict=True)
-        )
-        remainder = (1.0 - parts) * first + parts * last
-        given = external + actuator + start
-        elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
-        numerical = kinetic + elastic + viscous + outside - given
-        return np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
+        shares = tuple(np.concatenate([step.step[k] for step in steps]) for k in range(4))
+        return energies_within(before, last, parts, kinetic, shares)
+
+
+def energies_within(
+    before: Floats, last: Floats, parts: Floats, kinetic: Floats, shares: tuple[Floats, ...]
+) -> Floats:
+    """Return the energies ``(k, 7)`` at ``parts (k,)`` of steps, see :meth:`EnergiesWithin.rows`.
+
+    Args:
+        before: what is recorded at the start of each step, and the energy at the start of the motion ``(k, 8)`` [J].
+        last: remainder at its end ``(k,)``; kinetic: energies; shares: as in :class:`StepShare`, without branches.
+    """
+    _, _, lost, work, first, out, moved, start = before.T
+    external, viscous, outside, actuator = (
+        sum_ + share for sum_, share in zip((work, lost, out, moved), shares, strict=True)
+    )
+    remainder = (1.0 - parts) * first + parts * last
+    given = external + actuator + start
+    elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
+    numerical = kinetic + elastic + viscous + outside - given
+    return np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
+
+
+class EnergiesKnown(NamedTuple):
+    """Energies at ``k`` instants: rows ``(k, 7)`` as in :attr:`EnergyAccount.recorded`, and of branches ``(k, n)``."""
+
+    rows: Floats
+    branches: Floats

@@ -7,12 +7,12 @@ step has 150. Where types do not change this is done once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numba
 import numpy as np
 
-from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON, on_disk
 
 __all__ = ["KnownTypes"]
 
@@ -29,25 +29,39 @@ class KnownTypes:
         call: the kernel, from its second call on as machine code.
     """
 
-    __slots__ = ("_kernel", "call")
+    __slots__ = ("_compiled", "_kernel", "call")
 
-    _found: ClassVar[dict[Any, Code]] = {}
-    """Machine code by kernel and kinds of arguments: Numba takes milliseconds to find it."""
+    _found: ClassVar[dict[Any, Any]] = {}
+    """What Numba compiled, by kernel and kinds of arguments: it takes milliseconds to find it."""
 
     def __init__(self, kernel: Code) -> None:
         self._kernel = kernel
+        self._compiled: Any = None
         self.call: Code = kernel if PURE_PYTHON else self._first_call
 
     def _first_call(self, *arguments: Any) -> Any:
-        self.call = self._machine_code(arguments)
+        self.call = self.compiled(arguments).entry_point
         return self.call(*arguments)
+
+    @property
+    def unknown(self) -> bool:
+        """Whether the types are still unknown."""
+        return self._compiled is None
+
+    @property
+    def ready(self) -> bool:
+        """Whether there is machine code, in memory or on disk."""
+        return not PURE_PYTHON and (bool(cast(Any, self._kernel).overloads) or on_disk(self._kernel))
 
     def take_over(self, other: KnownTypes) -> None:
         """Use the machine code of another call of the same kernel with arguments of the same types, if it is known."""
-        if self._kernel is other._kernel and other.call != other._first_call:
-            self.call = other.call
+        if self._kernel is other._kernel and other._compiled is not None:
+            self.call, self._compiled = other.call, other._compiled
 
-    def _machine_code(self, arguments: tuple[Any, ...]) -> Code:
+    def compiled(self, arguments: tuple[Any, ...]) -> Any:
+        """Return what Numba compiled for these arguments, which are of the types of all calls."""
+        if self._compiled is not None:
+            return self._compiled
         key = self._kernel, _kinds(arguments)
         found = self._found.get(key)
         if found is None:
@@ -55,7 +69,8 @@ class KnownTypes:
             typeof: Any = numba.typeof
             types = tuple(typeof(argument) for argument in arguments)
             dispatcher.compile(types)
-            found = self._found[key] = dispatcher.overloads[types].entry_point
+            found = self._found[key] = dispatcher.overloads[types]
+        self._compiled = found
         return found
 
 

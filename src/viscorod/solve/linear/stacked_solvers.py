@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.factors import Factors
 from viscorod.solve.linear.plan import Plan
@@ -43,6 +44,11 @@ class StackedSolvers:
             solver.factors = one._replace(
                 values=values[m], fronts=fronts[m], integers=integers[m], rest=rest[m]
             )
+
+    @property
+    def reduction(self) -> KnownTypes:
+        """The kernel that factorises one of them."""
+        return self._solvers[0].reduction
 
     def factorise(self, blocks: Floats) -> None:
         """Factorise all matrices, with values ``blocks (p, b, 6, 6)``; raises as :meth:`DirectSolver.factorise`."""

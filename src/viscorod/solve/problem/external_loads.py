@@ -12,6 +12,8 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.model.actions.load_base import AnyLoad
+from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import NodalLoad, Problem
@@ -153,6 +155,15 @@ def _add_rows(factor: float, rows: _Rows, sums: Floats) -> None:
         np.add.at(sums, rows.nodes, factor * rows.values)
 
 
+def _steady(factor: TimeFactor, t: float) -> bool:
+    load = getattr(factor, "__self__", None)
+    return (
+        isinstance(load, AnyLoad)
+        and getattr(factor, "__func__", None) is AnyLoad.factor
+        and load.steady_after(t)
+    )
+
+
 class ExternalLoads:
     """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same.
 
@@ -217,6 +228,10 @@ class ExternalLoads:
             stations.append(ActiveStation(element, shape, factor * load.dead, factor * load.following))
         self.last = replace(state, stations=stations)
         return self.last
+
+    def steady_after(self, t: float) -> bool:
+        """Return whether no load is known to change from just after the time ``t`` [s] to the next breakpoint."""
+        return not self.problem.station_loads and all(_steady(factor, t) for _, factor, _ in self._factored)
 
     def _parts_at(
         self, t: float, before: bool, scale: float, given: Mapping[int, float]

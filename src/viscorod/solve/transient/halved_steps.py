@@ -105,6 +105,21 @@ class HalvedSteps:
             self._kept = True
             hand_over(integrator, self.twin)
 
+    @property
+    def waiting(self) -> bool:
+        """Whether the step that is taken next is one to be tried again."""
+        return self._kept
+
+    def passed(self, number: int, h: float) -> None:
+        """Count a step of ``h`` [s] that was accepted, by its number."""
+        trials = self.trials
+        if trials.border is not None and number >= trials.border:
+            trials.border = None
+            trials.around.append(np.zeros(2))
+        around = trials.around[-1]
+        around[0] += 1.0
+        around[1] += h**self.power
+
     def compare(self, number: int, integrator: Integrator, before: State, h: float, *, left: bool) -> None:
         """Compute a step that was accepted again in halves, if the state before it was kept.
 
@@ -114,12 +129,7 @@ class HalvedSteps:
         """
         twin, trials = self.twin, self.trials
         end = integrator.t
-        if trials.border is not None and number >= trials.border:
-            trials.border = None
-            trials.around.append(np.zeros(2))
-        around = trials.around[-1]
-        around[0] += 1.0
-        around[1] += h**self.power
+        self.passed(number, h)
         if number == trials.next:
             trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
         if not self._kept:

@@ -27,6 +27,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
@@ -137,7 +138,7 @@ class Collocation:
         )
         self._parts = StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch)
         self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
-        self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self.trying, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
         self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
@@ -182,10 +183,10 @@ class Collocation:
         links = self.stage_constraints
         if links is not None and links.turn_axes(self.t, self.state):
             self._have_jacobian = False
-        self._prepare_step(end, before)
+        self.prepare_step(end, before)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
-            self._renew_jacobian()
+            self.renew_jacobian()
         # equal steps differ by the rounding of their ends
         if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
@@ -195,7 +196,7 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
-        code, count, size, rate, unknown, error, worst = self._try_step.call(*self.step_arguments(h))
+        code, count, size, rate, unknown, error, worst = self.trying.call(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
@@ -233,6 +234,34 @@ class Collocation:
             None if self.stage_constraints is None else self.stage_constraints.arrays,
             None if self.dashpots is None else self.dashpots.step,
         )
+
+    @property
+    def lent(self) -> Lent:
+        """What the compiled loop of steps works on."""
+        return Lent(self._parts, self._kept, self._force, self.recorder.reading, self.recorder.start_rate)
+
+    def lend(self, state: State) -> Course:
+        """Let the compiled loop go on, which changes the arrays of ``state``, the present one; return how it stands."""
+        self.systems.provide()
+        self.state = state
+        return Course(self.t, self._factor_step, self._rate, self._have_jacobian, self._fresh_jacobian, 0, 0)
+
+    def take_back(self, state: State, course: Course) -> None:
+        """Go on from where the compiled loop has come to, with arrays of its own."""
+        self.state, self.t = state, course.t
+        self._factor_step, self._rate = course.factor_step, course.rate
+        self._have_jacobian, self._fresh_jacobian = course.have_jacobian, course.fresh_jacobian
+        self.evaluations += course.evaluations
+        self.factorisations += course.factorisations
+
+    def take_step(self, step: StepTaken) -> None:
+        """Take the last step of the compiled loop, which ends at the present state, as the last one."""
+        self._end, self._step = self.t, step.h
+        self.kinetic, self.elastic, self.work, self.loss = step.energies
+        self.outside, self._end_rate = 0.0, step.end.rate
+        self.predictor.keep(step.start[0], step.h)
+        self.recorder.take_over(step.start, step.end, step.strain)
+        self.recorder.record_end(self.state, self.kinetic, self.elastic)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -341,7 +370,7 @@ class Collocation:
         del error, unknown
         return 0.0, 0
 
-    def _prepare_step(self, end: float, before: bool) -> None:
+    def prepare_step(self, end: float, before: bool) -> None:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
         self.actions.look_within(self.t, end)
         for i, c in enumerate(self.tableau.nodes):
@@ -429,7 +458,7 @@ class Collocation:
             state, points, supports.global_reactions(state), self.kinetic, self.elastic
         )
 
-    def _renew_jacobian(self) -> None:
+    def renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
         self._adjoint.call(state.twist, self._ad)

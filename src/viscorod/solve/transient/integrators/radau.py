@@ -51,7 +51,7 @@ class Radau(Collocation):
         self.estimate_order = stages
         super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
-        self._turned = KnownTypes(largest_turn)
+        self.turned = KnownTypes(largest_turn)
 
     def _newton_tolerance(self) -> float:
         return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
@@ -73,7 +73,7 @@ class Radau(Collocation):
         self.newton_tolerance = max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
-        self._turn, node = self._turned.call(self.stages.X[self._last])
+        self._turn, node = self.turned.call(self.stages.X[self._last])
         if self.actions.content is not None:
             unseen, where = self._unseen()
             if unseen > error:

@@ -44,7 +44,7 @@ class StageSystems:
         self._real_blocks = np.zeros((blocks, 6, 6))
         self._pair_blocks = np.zeros((pairs, blocks, 6, 6), dtype=complex)
         self._wanted: tuple[Matrices, float] | None = None
-        self._real_of, self._pair_of = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
+        self.combination, self.pair_combination = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
         self.factors = StageFactors(
             self.real.factors,
             self.pairs.factors,
@@ -52,6 +52,11 @@ class StageSystems:
             np.ones((pairs, len(scales))),
             scales,
         )
+
+    @property
+    def blocks(self) -> tuple[Floats, Floats]:
+        """Blocks of the real and of the complex matrices, which factorisations overwrite."""
+        return self._real_blocks, self._pair_blocks
 
     def want(self, matrices: Matrices, h: float) -> None:
         """Factorise for the step ``h`` [s] as soon as the factors are needed, unless others are before."""
@@ -66,9 +71,9 @@ class StageSystems:
         """Factorise for the step ``h`` [s]; False if a matrix is singular."""
         self._wanted = None
         real, pairs, rows, pair_rows, _ = self.factors
-        self._combine(self._real_of, matrices, self.tableau.real / h, rows, self._real_blocks)
+        self._combine(self.combination, matrices, self.tableau.real / h, rows, self._real_blocks)
         for m, pair in enumerate(self._eigenvalues):
-            self._combine(self._pair_of, matrices, pair / h, pair_rows[m], self._pair_blocks[m])
+            self._combine(self.pair_combination, matrices, pair / h, pair_rows[m], self._pair_blocks[m])
         try:
             self.real.factorise(self._real_blocks)
             self.pairs.factorise(self._pair_blocks)

@@ -44,7 +44,7 @@ class StepRecorder:
 
     snapshot: Snapshot
 
-    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "_start_rate"})
+    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "start_rate"})
 
     def __init__(
         self,
@@ -61,14 +61,14 @@ class StepRecorder:
         self.supports = supports
         self._held = supports.moving and body.partly  # poses within steps are corrected
         self._inner = tableau.exact_inside
-        self._reading = Reading.of(places, body.mass, body.split, body.supports)
+        self.reading = Reading.of(places, body.mass, body.split, body.supports)
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
-        self._start_rate = np.zeros(stages.twist.shape[1:])
+        self.start_rate = np.zeros(stages.twist.shape[1:])
         self._reactions = np.zeros(stages.reaction.shape)
-        self._end_step, self._read_between = KnownTypes(end_step), KnownTypes(read_between)
+        self.ending, self.reading_between = KnownTypes(end_step), KnownTypes(read_between)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -79,7 +79,7 @@ class StepRecorder:
             state: poses and twists; points: one stage of Gauss points in that state.
             reaction: global wrenches of the supports ``(supports, 6)``; kinetic, elastic: energies [J].
         """
-        places = self._reading.places
+        places = self.reading.places
         self._fields = np.empty((3, len(places), 6))
         self.strain = read_state(points.strain, points.strain_rate, points.stress, places, self._fields)
         self._take(state, reaction, kinetic, elastic)
@@ -93,12 +93,26 @@ class StepRecorder:
             the end; its kinetic energy [J]; work, viscous loss, and what loads dissipate outside [J].
         """
         self._start = (state, self._fields, self.snapshot.reaction)
-        end = StepEnd.of(self.stages, self._reading)
-        kinetic, self.strain, work, loss, outside = self._end_step.call(
-            h, self.tableau, self.stages, account, self.motion.target, self._reading, kept, end
+        end = StepEnd.of(self.stages, self.reading)
+        kinetic, self.strain, work, loss, outside = self.ending.call(
+            h, self.tableau, self.stages, account, self.motion.target, self.reading, kept, end
         )
         self._fields, self._reactions = end.points, end.reactions
         return end, kinetic, (work, loss, outside)
+
+    @property
+    def present(self) -> tuple[Floats, Floats]:
+        """Fields ``(3, m, 6)`` and global reactions ``(supports, 6)`` at the present time."""
+        return self._fields, self.snapshot.reaction
+
+    def take_over(self, start: tuple[State, Floats, Floats], end: StepEnd, strain: float) -> None:
+        """Take a step that was accepted elsewhere.
+
+        Args:
+            start: state, fields and reactions there; end: of the step; strain: largest shear or stretch there.
+        """
+        self._start, self.strain = start, strain
+        self._fields, self._reactions = end.points, end.reactions
 
     def record_end(self, state: State, kinetic: float, elastic: float) -> None:
         """Record a ``state`` that is the last stage's; kinetic, elastic: energies [J]."""
@@ -136,18 +150,18 @@ class StepRecorder:
         given = (
             h,
             self.tableau,
-            MovingPoses(old.r, old.q, old.twist, self._start_rate),
+            MovingPoses(old.r, old.q, old.twist, self.start_rate),
             MovingPoses(new.r, new.q, new.twist, end_rate),
             ResultFields(start, start_reaction),
             StageFields(
                 stages.twist, stages.strain, stages.strain_rate, stages.stress, self._reactions, powers
             ),
             whole_loss,
-            self._reading,
+            self.reading,
         )
         corrected = held or len(inner) > 0
         places = np.append(parts, inner) if len(inner) else parts
-        self._read_between.call(places, *given, True, not corrected, found)
+        self.reading_between.call(places, *given, True, not corrected, found)
         if len(inner):
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
@@ -161,7 +175,7 @@ class StepRecorder:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
         if corrected:
-            self._read_between.call(parts, *given, False, True, found)
+            self.reading_between.call(parts, *given, False, True, found)
         joints = None
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)

@@ -1,0 +1,424 @@
+"""Many steps of a motion in one compiled call, where they need nothing of Python but loads and Jacobians."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.by_address import address_of
+from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import Records, Snapshot, Snapshots
+from viscorod.solve.linear.factors import Factors
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.halved_steps import LONGER, SETTLED, HalvedSteps
+from viscorod.solve.transient.integrators import step_loop
+from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
+from viscorod.solve.transient.integrators.predictor import LastStep
+from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.integrators.record_kernels import (
+    Between,
+    ResultFields,
+    StageFields,
+    StepEnd,
+)
+from viscorod.solve.transient.integrators.stage_data import StepStart
+from viscorod.solve.transient.motion_scale import GivenTolerance
+from viscorod.solve.transient.step_control import ErrorControl
+from viscorod.typing import Floats
+
+__all__ = ["ManySteps", "Taken"]
+
+MOST_STEPS = 64
+"""Steps at once: an interrupt waits for them."""
+MOST_ROWS = 256
+"""States at once."""
+MOST_NODES = 300
+"""Nodes of a model up to which Python between the steps is worth saving."""
+LEAST_STEP = 1e-6
+"""Shortest step over the duration: one by one, steps are watched more closely."""
+
+
+class Taken(NamedTuple):
+    """Steps that were taken.
+
+    Attributes:
+        broken: strains are out of bounds after one more.
+        starts, ends, lengths: of the steps [s]; iterations, limits, unknowns: of each.
+        iterated, rejected: iterations of all attempts, and attempts that were rejected.
+    """
+
+    broken: bool
+    starts: list[float]
+    ends: list[float]
+    lengths: list[float]
+    iterations: list[int]
+    limits: list[int]
+    unknowns: list[int]
+    iterated: int
+    rejected: int
+
+
+class ManySteps:
+    """The compiled loop of steps of one motion.
+
+    Args:
+        integrator, control: that take the steps.
+        duration: of the motion [s]; output_interval: time between records [s], None for all that a step has.
+    """
+
+    def __init__(
+        self,
+        integrator: Radau,
+        control: ErrorControl,
+        duration: float,
+        output_interval: float | None,
+    ) -> None:
+        self.integrator, self.control = integrator, control
+        stages, body, lent = integrator.stages, integrator.body, integrator.lent
+        n, s = len(body.mass), len(integrator.tableau.nodes)
+        fields, reaction = integrator.recorder.present
+        points, supports = fields.shape[1], len(reaction)
+        poses = [np.empty((n, k)) for k in (3, 4, 6, 3, 4, 6)]
+        self._points, self._reactions = np.empty((2, 3, points, 6)), np.empty((2, supports, 6))
+        predictor = integrator.predictor
+        self._state = step_loop.LoopState(
+            StepStart(*poses[:3], lent.force),
+            MovingPoses(*poses[3:], lent.start_rate),
+            lent.kept,
+            predictor.stresses.reshape(s + 1, -1),
+            stages.stress.reshape(s, -1),
+            StepEnd.of(stages, lent.reading),
+            self._points,
+            self._reactions,
+            np.empty((s, s + 1)),
+        )
+        self._model = step_loop.LoopModel(
+            body,
+            integrator.actions.motion,
+            integrator.actions.stage_loads,
+            lent.parts,
+            lent.reading,
+            predictor.gap,
+        )
+        self._systems = step_loop.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
+        rows = MOST_ROWS
+        self._batch = step_loop.Batch(
+            np.zeros(MOST_STEPS),
+            np.zeros(MOST_STEPS),
+            np.zeros((3, MOST_STEPS), dtype=np.int64),
+            np.zeros((MOST_STEPS + 1, 4)),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.zeros(rows, dtype=np.int64),
+            Between.of(rows + step_loop.MARKS, n, points, supports),
+            np.zeros(step_loop.MARKS, dtype=np.int64),
+        )
+        self._clock, self._trials = np.zeros(step_loop.CLOCK), np.zeros(step_loop.TRIALS)
+        self._numbers = np.zeros(step_loop.NUMBERS, dtype=np.int64)
+        self._limits = np.zeros(step_loop.LIMITS)
+        order = float(integrator.estimate_order + 1)
+        self._limits[step_loop.STALE :] = (
+            integrator.stale,
+            integrator.iterations,
+            integrator.largest_turn,
+            order,
+            0.0 if output_interval is None else output_interval,
+            duration,
+            LEAST_STEP * duration,
+            s + 1,
+            100.0,
+        )
+        self._message = np.zeros(4)
+        self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
+        self._addresses: step_loop.Addresses | None = None
+        self._steps = KnownTypes(step_loop.take_steps)
+        self._began = 0.0  # of the steps that are taken at once [s]
+
+    @staticmethod
+    def serve(integrator: object, control: object) -> bool:
+        """Return whether steps of an integrator under a control can be taken so."""
+        if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
+            return False
+        problem, systems = integrator.system.problem, integrator.systems
+        return (
+            problem.size <= MOST_NODES
+            and not (problem.constrained or problem.relaxing or problem.motion_loads)
+            and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
+            and not len(integrator.supports.partial)
+            and systems.real.plan.banded
+            and integrator.actions.content is None
+            and type(integrator.tolerance) is GivenTolerance
+            and KnownTypes(step_loop.take_steps).ready
+        )
+
+    @property
+    def ready(self) -> bool:
+        """Whether the next step can be taken: not the first one after a jump."""
+        return self.integrator.predictor.last is not None
+
+    def take(
+        self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
+    ) -> Taken:
+        """Take steps up to the corner that the control has.
+
+        Args:
+            number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
+            halved: that tries some again; account: before them.
+        """
+        integrator, batch, numbers = self.integrator, self._batch, self._numbers
+        self._begin(account)
+        trials = self._trials
+        trials[:] = -1.0, SETTLED, np.inf, number
+        if halved is not None:
+            trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
+        numbers[step_loop.MOST] = MOST_STEPS if len(marks) <= step_loop.MARKS else marks[step_loop.MARKS] - 1
+        batch.marks[:] = 0
+        batch.marks[: len(marks)] = marks[: step_loop.MARKS]
+        why = self._steps.call(
+            self._model,
+            integrator.tableau,
+            self._systems,
+            self._state,
+            self._addressed(),
+            self._clock,
+            numbers,
+            self._limits,
+            self.control.numbers,
+            trials,
+            batch,
+        )
+        self._finish()
+        self._renew.check()
+        self._prepare.check()
+        steps = int(numbers[step_loop.STEPS])
+        ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
+        self.control.took(lengths)
+        counts = batch.notes[:, :steps].tolist()
+        iterated, rejected = int(numbers[step_loop.ITERATED]), int(numbers[step_loop.REJECTED])
+        starts = [self._began, *ends[:-1]]
+        return Taken(why == step_loop.BROKEN, starts, ends, lengths, *counts, iterated, rejected)
+
+    def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
+        """Return the marks among the steps taken, with what returns the state there."""
+        found, rows = self._batch.states, len(self._batch.states.r) - step_loop.MARKS
+
+        def state(k: int) -> Snapshot:
+            at = rows + k
+            poses = (field[at].copy() for field in (found.r, found.q, found.twist))
+            fields = (field[at].copy() for field in found.fields.points)
+            kinetic, _, _, elastic = found.energies[:, at].tolist()
+            reaction = found.fields.reactions[at].copy()
+            multiplier = self.integrator.state.multiplier
+            return Snapshot(State(*poses, multiplier), *fields, reaction, kinetic, elastic)
+
+        return [(mark, partial(state, k)) for k, mark in enumerate(marks) if mark <= len(taken.ends)]
+
+    def limit(self, taken: Taken, k: int) -> str:
+        """Return what limited the ``k``-th step, in words."""
+        return self.control.in_words(taken.limits[k])
+
+    def report(self, taken: Taken, k: int) -> StepReport:
+        """Return the report of the ``k``-th step, as far as it is known."""
+        node, component = divmod(taken.unknowns[k], 6)
+        return StepReport(Outcome.CONVERGED, taken.iterations[k], 0.0, 0.0, node, component=component)
+
+    def bring(self, account: EnergyAccount) -> None:
+        """Bring the energy account to the end of the steps taken."""
+        steps = int(self._numbers[step_loop.STEPS])
+        account.kinetic, account.elastic, account.viscous, account.external = self._batch.accounts[
+            steps
+        ].tolist()
+
+    def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
+        """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
+
+        Args:
+            account: before the first of them.
+        """
+        batch, rows = self._batch, int(self._numbers[step_loop.ROWS])
+        if not rows:
+            return None
+        of_step, places, found = batch.of_step[:rows], batch.places[:rows], batch.states
+        kinetic, work, loss, elastic = found.energies[:, :rows].copy()
+        states = Snapshots(
+            *(field[:rows].copy() for field in (found.r, found.q, found.twist)),
+            [self.integrator.state.multiplier] * rows,
+            *(field[:rows].copy() for field in (*found.fields.points, found.fields.reactions)),
+            kinetic,
+            elastic,
+        )
+        steps = int(self._numbers[step_loop.STEPS])
+        accounts = np.zeros((steps + 1, 8))
+        accounts[:, :4], accounts[:, 5:] = (
+            batch.accounts[: steps + 1],
+            (account.outside, account.actuator, account.start),
+        )
+        moving, bent, lost, given, _, out, moved, start = accounts.T
+        accounts[:, 4] = moving + bent + lost + out - (given + moved + start)
+        nothing = np.zeros(rows)
+        last = accounts[of_step + 1, 4]
+        energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, nothing, nothing))
+        ended = places == 1.0
+        energies[ended] = accounts[of_step[ended] + 1, :7]
+        branches = np.zeros((rows, len(NO_LOSS)))
+        return (
+            batch.instants[:rows].tolist(),
+            Records(states, EnergiesKnown(energies, branches)),
+            batch.lengths[of_step].tolist(),
+            batch.notes[0, of_step].tolist(),
+        )
+
+    def _begin(self, account: EnergyAccount) -> None:
+        """Hand the present state over."""
+        integrator, clock, numbers, batch = self.integrator, self._clock, self._numbers, self._batch
+        known = integrator.predictor.last
+        assert known is not None
+        (old, length), state = known, integrator.state
+        for to, given in ((self._state.now, state), (self._state.last, old)):
+            to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
+        self._points[1], self._reactions[1] = integrator.recorder.present
+        now = self._state.now
+        course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
+        clock[:], numbers[:] = 0.0, 0
+        self._began = integrator.t
+        clock[step_loop.T], clock[step_loop.FACTOR_STEP], clock[step_loop.RATE] = course[:3]
+        clock[step_loop.LAST_STEP] = length
+        numbers[step_loop.HAVE], numbers[step_loop.FRESH] = course.have_jacobian, course.fresh_jacobian
+        limits = self._limits
+        limits[step_loop.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
+        limits[step_loop.NEWTON] = integrator.newton_tolerance
+        batch.notes[0], batch.states.energies[3] = 0, 0.0
+        batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
+
+    def _finish(self) -> None:
+        """Bring the integrator to where the loop ended."""
+        clock, numbers, given = self._clock, self._numbers, self._state
+        multiplier = self.integrator.state.multiplier
+        now, old = (
+            State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
+        )
+        t, factor_step, rate = clock[: step_loop.LAST_STEP].tolist()
+        have, fresh = (bool(numbers[k]) for k in (step_loop.HAVE, step_loop.FRESH))
+        evaluations, factorisations = numbers[step_loop.EVALUATED : step_loop.NUMBERS].tolist()
+        moved = t > self._began
+        course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
+        self.integrator.take_back(now, course)
+        if moved:
+            end = StepEnd(*(field.copy() for field in given.end))
+            start = old, self._points[0].copy(), self._reactions[0].copy()
+            h, _, *energies, strain = clock[step_loop.LAST_STEP :].tolist()
+            kinetic, elastic, work, loss = energies
+            self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
+
+    def _addressed(self) -> step_loop.Addresses:
+        """Return where everything is; loads are asked for if they change before the corner."""
+        if self._addresses is None:
+            self._addresses = self._find_addresses()
+        integrator = self.integrator
+        still = not integrator.supports.moving and integrator.actions.loads.steady_after(integrator.t)
+        return self._addresses._replace(prepare=0 if still else self._prepare.address)
+
+    def _find_addresses(self) -> step_loop.Addresses:
+        integrator, given, model, systems = self.integrator, self._state, self._model, self._systems
+        body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
+        K, C, mass, _, directions, _ = integrator.matrices
+        real, pairs, real_rows, pair_rows, scales = integrator.systems.factors
+        now, old, reading, found, h = given.now, given.last, model.reading, self._batch.states, 1.0
+        where = body.supports, directions, body.pattern, scales
+        sides = now.r, now.q, body.split, body.held
+        last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
+        begin = ResultFields(self._points[0], self._reactions[0])
+        account, target = integrator.account, integrator.actions.motion.target
+        at_stages = StageFields(
+            stages.twist,
+            stages.strain,
+            stages.strain_rate,
+            stages.stress,
+            given.end.reactions,
+            account.powers,
+        )
+        reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
+        places = integrator.systems.real.places
+        return step_loop.Addresses(
+            address_of(integrator.trying, step_loop.ATTEMPTED, lambda: integrator.step_arguments(h)),
+            address_of(
+                integrator.systems.real.reduction,
+                step_loop.NUMBER,
+                lambda: (systems.real, *places, *_factored(real)),
+            ),
+            address_of(
+                integrator.systems.pairs.reduction,
+                step_loop.NUMBER,
+                lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
+            ),
+            address_of(
+                integrator.systems.combination,
+                step_loop.NOTHING,
+                lambda: (K, C, mass, h, *where, real_rows, systems.real),
+            ),
+            address_of(
+                integrator.systems.pair_combination,
+                step_loop.NOTHING,
+                lambda: (K, C, mass, complex(h), *where, pair_rows[0], systems.pairs[0]),
+            ),
+            address_of(
+                integrator.predictor.extrapolation,
+                step_loop.NOTHING,
+                lambda: (tableau, model.gap, last, h, *sides, given.weights, stages.X, given.stages_stress),
+            ),
+            address_of(integrator.turned, step_loop.TURNED, lambda: (stages.X[0],)),
+            address_of(
+                integrator.recorder.ending,
+                step_loop.ENDED,
+                lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
+            ),
+            address_of(
+                integrator.recorder.reading_between,
+                step_loop.NOTHING,
+                lambda: (
+                    np.zeros(1),
+                    h,
+                    tableau,
+                    old,
+                    reached,
+                    begin,
+                    at_stages,
+                    h,
+                    reading,
+                    True,
+                    True,
+                    found,
+                ),
+            ),
+            self._renew.address,
+            self._prepare.address,
+            self._message,
+        )
+
+    def _call_renew(self, message: Floats) -> None:
+        self.integrator.t = float(message[0])
+        self.integrator.renew_jacobian()
+
+    def _call_prepare(self, message: Floats) -> None:
+        self.integrator.t = float(message[0])
+        self.integrator.prepare_step(float(message[1]), bool(message[2]))
+
+
+def _factored(factors: Factors) -> tuple[object, ...]:
+    """Return what a factorisation takes of factors."""
+    return factors.values, factors.fronts, factors.integers, factors.groups, factors.rest
+
+
+def _first(factors: Factors) -> Factors:
+    """Return the factors of the first matrix of a stack."""
+    values, fronts, vector, integers, rows, groups, members, rest = factors
+    return Factors(values[0], fronts[0], vector, integers[0], rows, groups, members, rest[0])
