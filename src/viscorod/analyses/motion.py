@@ -41,11 +41,12 @@ from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.amplitude import PART_OF_MOTION
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
-from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, Tolerance
+from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl

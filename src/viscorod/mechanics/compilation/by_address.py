@@ -20,6 +20,9 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 
 __all__ = ["address_of", "returning"]
 
+_unliteral: Any = types.unliteral
+_alloca: Any = cgutils.alloca_once
+
 
 def address_of(known: KnownTypes, result: Any, arguments: Callable[[], tuple[Any, ...]]) -> int:
     """Return the address of a kernel that returns a ``result``; ``arguments`` are asked for if types are unknown."""
@@ -34,13 +37,13 @@ def returning(result: Any) -> Callable[[int, tuple[Any, ...]], Any]:
     """Return what calls a kernel that returns a ``result`` from compiled code, by its address and arguments."""
 
     def invoke(_context: Any, address: Any, arguments: Any) -> Any:
-        kinds = tuple(types.unliteral(kind) for kind in arguments)
+        kinds = tuple(_unliteral(kind) for kind in arguments)
 
         def generate(context: Any, builder: Any, _signature: Any, given: Any) -> Any:
             kind = context.call_conv.get_function_type(result, kinds)
             values = [builder.extract_value(given[1], k) for k in range(len(kinds))]
             flat = context.get_arg_packer(kinds).as_arguments(builder, values)
-            out, error = (cgutils.alloca_once(builder, kind.args[k].pointee) for k in range(2))
+            out, error = (_alloca(builder, kind.args[k].pointee) for k in range(2))
             builder.call(builder.inttoptr(given[0], ir.PointerType(kind)), [out, error, *flat])
             return context.get_returned_value(builder, result, builder.load(out))
 

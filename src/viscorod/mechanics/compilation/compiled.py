@@ -23,14 +23,14 @@ from typing import Any, TypeVar, cast
 import numba
 
 from viscorod.mechanics.compilation.claims import ClaimedCache
-from viscorod.mechanics.compilation.pipelines import kernel_compiler, part_compiler
+from viscorod.mechanics.compilation.pipelines import kernel_compiler, loop_compiler, part_compiler
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
 """Set in the process that compiles aside."""
 
-_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part)$", re.MULTILINE)
+_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part|loop_part)$", re.MULTILINE)
 _IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
 
 _helpers: list[subprocess.Popen[bytes]] = []
@@ -137,15 +137,15 @@ def kernel(function: Kernel) -> Kernel:
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
     """
-    return _kernel(function, _FAST)
+    return _kernel(function, _FAST, kernel_compiler())
 
 
 def loop(function: Kernel) -> Kernel:
     """Compile ``function`` as a kernel whose own numbers are, bit for bit, those of Python; see :func:`exact_part`."""
-    return _kernel(function, False)
+    return _kernel(function, False, loop_compiler())
 
 
-def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
+def _kernel(function: Kernel, fast: set[str] | bool, compiler: Any) -> Kernel:
     if PURE_PYTHON:
         return function
     folder, given = cache_folder(), _config.CACHE_DIR
@@ -156,7 +156,7 @@ def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
         fastmath=fast,
         no_cfunc_wrapper=True,
         nogil=True,
-        pipeline_class=kernel_compiler(),
+        pipeline_class=compiler,
         _nrt=_allocates(function),
     )(function)
     _config.CACHE_DIR = given
@@ -180,11 +180,20 @@ def lane_kernel(function: Kernel) -> Kernel:
     Loops over lanes vectorise where row lengths are constants, formulas stay in registers, and parts of a step take
     bundles of arrays without a copy of all that describes them.
     """
+    return _inlined(function, _FAST)
+
+
+def loop_part(function: Kernel) -> Kernel:
+    """Do so with a part of a :func:`loop`: bit for bit, its numbers are those of Python."""
+    return _inlined(function, False)
+
+
+def _inlined(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     compiled = _njit(
         error_model="numpy",
-        fastmath={"contract", "nsz"},
+        fastmath=fast,
         forceinline=True,
         _nrt=False,
         no_cpython_wrapper=True,

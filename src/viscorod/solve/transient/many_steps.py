@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -13,17 +13,19 @@ from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.linear.factors import Factors
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.halved_steps import LONGER, SETTLED, HalvedSteps
 from viscorod.solve.transient.integrators import step_loop
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
 from viscorod.solve.transient.integrators.predictor import LastStep
-from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
     ResultFields,
@@ -31,8 +33,8 @@ from viscorod.solve.transient.integrators.record_kernels import (
     StepEnd,
 )
 from viscorod.solve.transient.integrators.stage_data import StepStart
-from viscorod.solve.transient.motion_scale import GivenTolerance
-from viscorod.solve.transient.step_control import ErrorControl
+from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
+from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.typing import Floats
 
 __all__ = ["ManySteps", "Taken"]
@@ -87,12 +89,11 @@ class ManySteps:
         n, s = len(body.mass), len(integrator.tableau.nodes)
         fields, reaction = integrator.recorder.present
         points, supports = fields.shape[1], len(reaction)
-        poses = [np.empty((n, k)) for k in (3, 4, 6, 3, 4, 6)]
         self._points, self._reactions = np.empty((2, 3, points, 6)), np.empty((2, supports, 6))
         predictor = integrator.predictor
         self._state = step_loop.LoopState(
-            StepStart(*poses[:3], lent.force),
-            MovingPoses(*poses[3:], lent.start_rate),
+            StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
+            MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
             lent.kept,
             predictor.stresses.reshape(s + 1, -1),
             stages.stress.reshape(s, -1),
@@ -100,6 +101,7 @@ class ManySteps:
             self._points,
             self._reactions,
             np.empty((s, s + 1)),
+            _followed(integrator.tolerance, n),
         )
         self._model = step_loop.LoopModel(
             body,
@@ -126,7 +128,12 @@ class ManySteps:
         self._numbers = np.zeros(step_loop.NUMBERS, dtype=np.int64)
         self._limits = np.zeros(step_loop.LIMITS)
         order = float(integrator.estimate_order + 1)
-        self._limits[step_loop.STALE :] = (
+        self._follows = type(integrator.tolerance) is PartOfMotion
+        self._limits[step_loop.FOLLOWS : step_loop.LIMITS] = (
+            LEAST_CHANGE if self._follows else 0.0,
+            integrator.step_factor,
+            integrator.newton_factor,
+            integrator.newton_power,
             integrator.stale,
             integrator.iterations,
             integrator.largest_turn,
@@ -140,25 +147,28 @@ class ManySteps:
         self._message = np.zeros(4)
         self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
         self._addresses: step_loop.Addresses | None = None
-        self._steps = KnownTypes(step_loop.take_steps)
+        self._steps, self._extent = KnownTypes(step_loop.take_steps), KnownTypes(motion_extent)
         self._began = 0.0  # of the steps that are taken at once [s]
 
-    @staticmethod
-    def serve(integrator: object, control: object) -> bool:
-        """Return whether steps of an integrator under a control can be taken so."""
+    @classmethod
+    def of(
+        cls, integrator: Integrator, control: StepControl, duration: float, output_interval: float | None
+    ) -> ManySteps | None:
+        """Return what takes many steps of an integrator under a control at once; None if nothing can."""
         if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
-            return False
+            return None
         problem, systems = integrator.system.problem, integrator.systems
-        return (
+        serves = (
             problem.size <= MOST_NODES
             and not (problem.constrained or problem.relaxing or problem.motion_loads)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
             and not len(integrator.supports.partial)
             and systems.real.plan.banded
             and integrator.actions.content is None
-            and type(integrator.tolerance) is GivenTolerance
+            and _serves(integrator.tolerance)
             and KnownTypes(step_loop.take_steps).ready
         )
+        return cls(integrator, control, duration, output_interval) if serves else None
 
     @property
     def ready(self) -> bool:
@@ -174,7 +184,7 @@ class ManySteps:
             number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
             halved: that tries some again; account: before them.
         """
-        integrator, batch, numbers = self.integrator, self._batch, self._numbers
+        batch, numbers = self._batch, self._numbers
         self._begin(account)
         trials = self._trials
         trials[:] = -1.0, SETTLED, np.inf, number
@@ -183,42 +193,26 @@ class ManySteps:
         numbers[step_loop.MOST] = MOST_STEPS if len(marks) <= step_loop.MARKS else marks[step_loop.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: step_loop.MARKS]
-        why = self._steps.call(
-            self._model,
-            integrator.tableau,
-            self._systems,
-            self._state,
-            self._addressed(),
-            self._clock,
-            numbers,
-            self._limits,
-            self.control.numbers,
-            trials,
-            batch,
-        )
+        why = self._steps.call(*self._arguments(self._addressed()))
         self._finish()
         self._renew.check()
         self._prepare.check()
         steps = int(numbers[step_loop.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
         self.control.took(lengths)
-        counts = batch.notes[:, :steps].tolist()
+        counts, limits, unknowns = batch.notes[:, :steps].tolist()
         iterated, rejected = int(numbers[step_loop.ITERATED]), int(numbers[step_loop.REJECTED])
         starts = [self._began, *ends[:-1]]
-        return Taken(why == step_loop.BROKEN, starts, ends, lengths, *counts, iterated, rejected)
+        return Taken(
+            why == step_loop.BROKEN, starts, ends, lengths, counts, limits, unknowns, iterated, rejected
+        )
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
-        found, rows = self._batch.states, len(self._batch.states.r) - step_loop.MARKS
+        rows = len(self._batch.states.r) - step_loop.MARKS
 
         def state(k: int) -> Snapshot:
-            at = rows + k
-            poses = (field[at].copy() for field in (found.r, found.q, found.twist))
-            fields = (field[at].copy() for field in found.fields.points)
-            kinetic, _, _, elastic = found.energies[:, at].tolist()
-            reaction = found.fields.reactions[at].copy()
-            multiplier = self.integrator.state.multiplier
-            return Snapshot(State(*poses, multiplier), *fields, reaction, kinetic, elastic)
+            return self._states(slice(rows + k, rows + k + 1)).at(0)
 
         return [(mark, partial(state, k)) for k, mark in enumerate(marks) if mark <= len(taken.ends)]
 
@@ -238,6 +232,25 @@ class ManySteps:
             steps
         ].tolist()
 
+    def compile(self) -> None:
+        """Compile the loop, but none of the kernels that it calls."""
+        self._steps.compiled(self._arguments(step_loop.Addresses._make([*[0] * 12, self._message])))
+
+    def _arguments(self, addresses: step_loop.Addresses) -> tuple[Any, ...]:
+        return (
+            self._model,
+            self.integrator.tableau,
+            self._systems,
+            self._state,
+            addresses,
+            self._clock,
+            self._numbers,
+            self._limits,
+            self.control.numbers,
+            self._trials,
+            self._batch,
+        )
+
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
 
@@ -247,15 +260,9 @@ class ManySteps:
         batch, rows = self._batch, int(self._numbers[step_loop.ROWS])
         if not rows:
             return None
-        of_step, places, found = batch.of_step[:rows], batch.places[:rows], batch.states
-        kinetic, work, loss, elastic = found.energies[:, :rows].copy()
-        states = Snapshots(
-            *(field[:rows].copy() for field in (found.r, found.q, found.twist)),
-            [self.integrator.state.multiplier] * rows,
-            *(field[:rows].copy() for field in (*found.fields.points, found.fields.reactions)),
-            kinetic,
-            elastic,
-        )
+        of_step, places = batch.of_step[:rows], batch.places[:rows]
+        states = self._states(slice(rows))
+        kinetic, work, loss, _ = batch.states.energies[:, :rows]
         steps = int(self._numbers[step_loop.STEPS])
         accounts = np.zeros((steps + 1, 8))
         accounts[:, :4], accounts[:, 5:] = (
@@ -275,6 +282,24 @@ class ManySteps:
             Records(states, EnergiesKnown(energies, branches)),
             batch.lengths[of_step].tolist(),
             batch.notes[0, of_step].tolist(),
+        )
+
+    def _states(self, rows: slice) -> Snapshots:
+        """Return the states in some rows, in arrays of their own."""
+        found = self._batch.states
+        strain, rate, force = found.fields.points[:, rows].copy()
+        kinetic, _, _, elastic = found.energies[:, rows].copy()
+        return Snapshots(
+            found.r[rows].copy(),
+            found.q[rows].copy(),
+            found.twist[rows].copy(),
+            [self.integrator.state.multiplier] * len(kinetic),
+            strain,
+            rate,
+            force,
+            found.fields.reactions[rows].copy(),
+            kinetic,
+            elastic,
         )
 
     def _begin(self, account: EnergyAccount) -> None:
@@ -312,6 +337,7 @@ class ManySteps:
         moved = t > self._began
         course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
         self.integrator.take_back(now, course)
+        self.integrator.newton_tolerance = float(self._limits[step_loop.NEWTON])
         if moved:
             end = StepEnd(*(field.copy() for field in given.end))
             start = old, self._points[0].copy(), self._reactions[0].copy()
@@ -377,6 +403,11 @@ class ManySteps:
             ),
             address_of(integrator.turned, step_loop.TURNED, lambda: (stages.X[0],)),
             address_of(
+                self._extent,
+                step_loop.EXTENT,
+                lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
+            ),
+            address_of(
                 integrator.recorder.ending,
                 step_loop.ENDED,
                 lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
@@ -411,6 +442,18 @@ class ManySteps:
     def _call_prepare(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
         self.integrator.prepare_step(float(message[1]), bool(message[2]))
+
+
+def _followed(tolerance: Tolerance, nodes: int) -> step_loop.Follows:
+    """Return what a tolerance follows, if it follows anything."""
+    if isinstance(tolerance, PartOfMotion) and tolerance.start is not None:
+        return step_loop.Follows(tolerance.numbers, tolerance.start.r, tolerance.start.q)
+    return step_loop.Follows(np.zeros(amplitude.COUNT), np.zeros((nodes, 3)), np.zeros((nodes, 4)))
+
+
+def _serves(tolerance: Tolerance) -> bool:
+    follows = isinstance(tolerance, PartOfMotion) and not tolerance.carried and tolerance.start is not None
+    return follows or type(tolerance) is GivenTolerance
 
 
 def _factored(factors: Factors) -> tuple[object, ...]:

@@ -191,8 +191,8 @@ class Transient:
         account.start = account.kinetic + account.elastic
         account.branches = np.zeros(len(self.problem.relaxation_times))
         plain = not self.watch.monitors and math.isfinite(self.duration)
-        if self.many is None and plain and ManySteps.serve(integrator, self.control):
-            self.many = ManySteps(integrator, self.control, self.duration, self.output_interval)
+        if self.many is None and plain:
+            self.many = ManySteps.of(integrator, self.control, self.duration, self.output_interval)
         if record:
             self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
             self.watch.begin(0.0, integrator.snapshot())

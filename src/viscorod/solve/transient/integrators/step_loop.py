@@ -8,14 +8,23 @@ taken one by one (see ``collocation``, ``radau``, ``transient_solver``), bit for
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from numba import types
 
 from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.callback import call
-from viscorod.mechanics.compilation.compiled import exact_part, loop
+from viscorod.mechanics.compilation.compiled import exact_part, loop, loop_part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.transient.amplitude import (
+    LENGTH,
+    USUAL,
+    extend,
+    grows,
+    tolerance_after,
+    tolerance_now,
+    usual_at,
+)
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.record_kernels import (
@@ -47,12 +56,12 @@ T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN, CLO
 HAVE, FRESH, MOST, STEPS, ROWS, REJECTED, ITERATED, EVALUATED, FACTORISED, NUMBERS = range(10)
 """Places among the numbers: whether there is a Jacobian, and one of the present step; most steps; then counts."""
 
-TOLERANCE, NEWTON, STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, LIMITS = (
-    range(12)
-)
-"""Places among the limits: of the error and of Newton's method, convergence rate from which on a Jacobian is stale,
-iterations, rotation [rad], power of the step in the error; time between records (0: within every step), duration and
-smallest step [s], least records of a step, largest strain."""
+TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
+STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, LIMITS = range(6, 16)
+"""Places among the limits: of the error and of Newton's method; the least of the latter if they follow the motion, else
+0, and the factors and the power with which they do; convergence rate from which on a Jacobian is stale, iterations,
+rotation [rad], power of the step in the error; time between records (0: within every step), duration and smallest step
+[s], least records of a step, largest strain."""
 
 NEXT, SETTLED, LONGER, FIRST, TRIALS = range(5)
 """Places among the trials: number of the next step that is tried again; from which number on one that is longer than
@@ -87,6 +96,14 @@ class LoopSystems(NamedTuple):
     targets: Integers
 
 
+class Follows(NamedTuple):
+    """The tolerance that follows a motion: its numbers, see ``amplitude``, and the poses where it began."""
+
+    numbers: Floats
+    r: Floats
+    q: Floats
+
+
 class LoopState(NamedTuple):
     """The present state, and what the next step and its records begin with.
 
@@ -95,7 +112,7 @@ class LoopState(NamedTuple):
         last: of the start of the last step, with rates that records leave there.
         kept: see ``end_step``; stress, stages_stress: of ``kept.stresses``, and of the stages, in rows.
         end: scratch; fields: at the present time and at the start of the last step, two stages.
-        weights: scratch of the predictor.
+        weights: scratch of the predictor; follows: the tolerance.
     """
 
     now: StepStart
@@ -107,6 +124,7 @@ class LoopState(NamedTuple):
     points: Floats
     reactions: Floats
     weights: Floats
+    follows: Follows
 
 
 MARKS = 8
@@ -148,6 +166,7 @@ class Addresses(NamedTuple):
     combine_pair: int
     predict: int
     turn: int
+    extent: int
     end: int
     between: int
     renew: int
@@ -155,13 +174,14 @@ class Addresses(NamedTuple):
     message: Floats
 
 
-NOTHING, NUMBER, TURNED = types.none, types.int64, types.Tuple((types.float64, types.int64))
-ATTEMPTED = types.Tuple((types.int64,) * 2 + (types.float64,) * 2 + (types.int64, types.float64, types.int64))
-ENDED = types.UniTuple(types.float64, 5)
+_tuple: Any = types.Tuple
+NOTHING, NUMBER, TURNED = types.none, types.int64, _tuple((types.float64, types.int64))
+ATTEMPTED = _tuple((types.int64,) * 2 + (types.float64,) * 2 + (types.int64, types.float64, types.int64))
+ENDED, EXTENT = _tuple((types.float64,) * 5), _tuple((types.float64,) * 2)
 """What the kernels return."""
 
 _do, _factorise, _turn = returning(NOTHING), returning(NUMBER), returning(TURNED)
-_attempt, _end = returning(ATTEMPTED), returning(ENDED)
+_attempt, _end, _extent = returning(ATTEMPTED), returning(ENDED), returning(EXTENT)
 
 
 @exact_part
@@ -196,7 +216,7 @@ def room_for(limits: Floats, t: float, end: float) -> int:
     return int((end - t) / limits[OUTPUT]) + 3
 
 
-@exact_part
+@loop_part
 def factorise(model: LoopModel, method: Tableau, systems: LoopSystems, calls: Addresses, h: float) -> bool:
     """Factorise the systems for a step of ``h`` [s]; return whether all went well."""
     K, C, mass, _, directions, _ = model.parts.matrices
@@ -219,7 +239,42 @@ def factorise(model: LoopModel, method: Tableau, systems: LoopSystems, calls: Ad
     return True
 
 
-@exact_part
+@loop_part
+def extent_of(model: LoopModel, state: LoopState, calls: Addresses) -> tuple[float, float]:
+    """Return how far the last stage is from where the motion began, and how fast it is."""
+    stages, begun = model.parts.stages, state.follows
+    last = stages.X.shape[0] - 1
+    where = (stages.r[last], stages.q[last], stages.twist[last])
+    found: tuple[float, float] = _extent(calls.extent, (begun.r, begun.q, *where, begun.numbers[LENGTH]))
+    return found
+
+
+@loop_part
+def tolerance_of(model: LoopModel, state: LoopState, calls: Addresses, limits: Floats, end: float) -> float:
+    """Return what the step to ``end`` [s] may err by."""
+    if limits[FOLLOWS] == 0.0:
+        return float(limits[TOLERANCE])
+    numbers = state.follows.numbers
+    if usual_at(numbers, end):
+        return float(limits[SAFETY] * USUAL)
+    moved, speed = extent_of(model, state, calls)
+    return float(limits[SAFETY] * tolerance_after(numbers, end, moved, speed))
+
+
+@loop_part
+def follow(model: LoopModel, state: LoopState, calls: Addresses, limits: Floats, t: float) -> None:
+    """Let the tolerances follow the motion to the time ``t`` [s]."""
+    if limits[FOLLOWS] == 0.0:
+        return
+    numbers, moved, speed = state.follows.numbers, 0.0, 0.0
+    if grows(numbers):
+        moved, speed = extent_of(model, state, calls)
+    extend(numbers, t, moved, speed)
+    change = limits[FACTOR] * tolerance_now(numbers) ** limits[EXPONENT]
+    limits[NEWTON] = max(change, limits[FOLLOWS])
+
+
+@loop_part
 def attempt(
     model: LoopModel,
     method: Tableau,
@@ -271,7 +326,7 @@ def attempt(
     numbers[EVALUATED] += (count + 1) * s
     clock[RATE] = rate
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
-    error /= limits[TOLERANCE]
+    error /= tolerance_of(model, state, calls, limits, end)
     too_far = (clock[TURN] / limits[FARTHEST]) ** limits[POWER]
     if too_far > error:
         error, unknown = too_far, 6 * node + 3
@@ -286,7 +341,7 @@ def copy(a: Floats, b: Floats) -> None:
             b[k, i] = a[k, i]
 
 
-@exact_part
+@loop_part
 def accept(
     model: LoopModel, method: Tableau, state: LoopState, calls: Addresses, clock: Floats, h: float
 ) -> None:
@@ -312,7 +367,7 @@ def accept(
     clock[LAST_STEP] = h
 
 
-@exact_part
+@loop_part
 def keep(state: LoopState, clock: Floats, found: Between, at: int) -> None:
     """Keep the present state in the row ``at``."""
     now, fields = state.now, found.fields
@@ -325,7 +380,7 @@ def keep(state: LoopState, clock: Floats, found: Between, at: int) -> None:
     found.energies[0, at], found.energies[3, at] = clock[KINETIC], clock[ELASTIC]
 
 
-@exact_part
+@loop_part
 def record(
     model: LoopModel,
     method: Tableau,
@@ -432,6 +487,7 @@ def take_steps(
             continue
         accept(model, method, state, calls, clock, h)
         clock[T] = end
+        follow(model, state, calls, limits, end)
         numbers[FRESH] = 0
         if clock[RATE] > limits[STALE]:
             numbers[HAVE] = 0
