@@ -137,6 +137,7 @@ def _motion(
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
+        patient=options.stop is None or getattr(options.stop, "patient", False),
         notes=_Noted(discrete.watch, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )

@@ -23,7 +23,7 @@ from typing import Any, TypeVar, cast
 import numba
 
 from viscorod.mechanics.compilation.claims import ClaimedCache
-from viscorod.mechanics.compilation.pipelines import kernel_compiler, loop_compiler, part_compiler
+from viscorod.mechanics.compilation.pipelines import kernel_compiler, part_compiler
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
@@ -137,15 +137,15 @@ def kernel(function: Kernel) -> Kernel:
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
     """
-    return _kernel(function, _FAST, kernel_compiler())
+    return _kernel(function, _FAST)
 
 
 def loop(function: Kernel) -> Kernel:
     """Compile ``function`` as a kernel whose own numbers are, bit for bit, those of Python; see :func:`exact_part`."""
-    return _kernel(function, False, loop_compiler())
+    return _kernel(function, False)
 
 
-def _kernel(function: Kernel, fast: set[str] | bool, compiler: Any) -> Kernel:
+def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     folder, given = cache_folder(), _config.CACHE_DIR
@@ -156,7 +156,7 @@ def _kernel(function: Kernel, fast: set[str] | bool, compiler: Any) -> Kernel:
         fastmath=fast,
         no_cfunc_wrapper=True,
         nogil=True,
-        pipeline_class=compiler,
+        pipeline_class=kernel_compiler(),
         _nrt=_allocates(function),
     )(function)
     _config.CACHE_DIR = given

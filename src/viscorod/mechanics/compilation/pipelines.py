@@ -70,15 +70,6 @@ class _KernelLibrary(_Library):
             passes.run(self._final_module, builder)
 
 
-class _LoopLibrary(_Library):
-    """Code of a loop, which spends no time itself: it is hardly optimised."""
-
-    def _optimize_final_module(self) -> None:
-        managers: Any = self._codegen._module_pass_manager
-        passes, builder = managers(loop_vectorize=False, slp_vectorize=False, opt=0, cost="cheap")
-        passes.run(self._final_module, builder)
-
-
 class _LibraryCompiler(_Compiler):
     """Numba's compiler, putting code into a library of the class ``library``."""
 
@@ -100,10 +91,6 @@ class _KernelCompiler(_LibraryCompiler):
     library = _KernelLibrary
 
 
-class _LoopCompiler(_LibraryCompiler):
-    library = _LoopLibrary
-
-
 def _fits() -> bool:
     return tuple(numba.version_info.short) in TESTED
 
@@ -111,11 +98,6 @@ def _fits() -> bool:
 def part_compiler() -> Any:
     """Return the compiler for functions that only kernels call."""
     return _PartCompiler if _fits() else _Compiler
-
-
-def loop_compiler() -> Any:
-    """Return the compiler for kernels that only call others."""
-    return _LoopCompiler if _fits() else _Compiler
 
 
 def kernel_compiler() -> Any:

@@ -195,8 +195,6 @@ class ManySteps:
         batch.marks[: len(marks)] = marks[: step_loop.MARKS]
         why = self._steps.call(*self._arguments(self._addressed()))
         self._finish()
-        self._renew.check()
-        self._prepare.check()
         steps = int(numbers[step_loop.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
         self.control.took(lengths)
@@ -206,6 +204,11 @@ class ManySteps:
         return Taken(
             why == step_loop.BROKEN, starts, ends, lengths, counts, limits, unknowns, iterated, rejected
         )
+
+    def check(self) -> None:
+        """Raise what went wrong in Python within the steps taken."""
+        self._renew.check()
+        self._prepare.check()
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""

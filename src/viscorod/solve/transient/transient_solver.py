@@ -112,6 +112,7 @@ class Transient:
         self._progress: Callable[[float, float], None] | None = None
         self._after_step: Callable[[], str] | None = None
         self._notes: Notes | None = None
+        self._patient = True
         self.many: ManySteps | None = None
 
     def run(
@@ -124,6 +125,7 @@ class Transient:
         history: History | None = None,
         checkpoint: SavedTree = None,
         after_step: Callable[[], str] | None = None,
+        patient: bool = True,
         notes: Notes | None = None,
         watch: EventWatch | None = None,
     ) -> TransientResult:
@@ -135,13 +137,15 @@ class Transient:
             progress: called with (time, step) after every step.
             history: that records; None keeps everything in memory.
             checkpoint: from :meth:`saved` of a run that was stopped; this one goes on from there.
-            after_step: called after every step, or after some short ones; returns why the run is to stop, or nothing.
+            after_step: called after every step; returns why the run is to stop, or nothing.
+            patient: that may be called after some short steps that are taken at once, too.
             notes: keeps some states.
             watch: checks every step for events, which may end the run.
         """
         self.watch = watch or EventWatch([])
         self.output_interval, self.duration = output_interval, duration
         self._progress, self._after_step, self._notes = progress, after_step, notes
+        self._patient = patient
         self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
             self._integrate(state, checkpoint)
@@ -190,7 +194,7 @@ class Transient:
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
         account.branches = np.zeros(len(self.problem.relaxation_times))
-        plain = not self.watch.monitors and math.isfinite(self.duration)
+        plain = self._patient and not self.watch.monitors and math.isfinite(self.duration)
         if self.many is None and plain:
             self.many = ManySteps.of(integrator, self.control, self.duration, self.output_interval)
         if record:
@@ -293,6 +297,7 @@ class Transient:
                     seen = count
                 if seen < len(taken.ends):
                     notes.passed(len(taken.ends) - seen, self.integrator.t, self.integrator.snapshot)
+        many.check()
         if taken.broken:
             self.result.outcome, self.result.failed_at = Outcome.BROKEN, self.integrator.t
             return False
