@@ -82,9 +82,18 @@ from .model.sections.section_shapes import SquareTube as SquareTube
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .pictures.viewer import view as view
+from .records.free_decay import decay as decay
+from .records.master_curve import master_curve as master_curve
+from .records.motion_record import Record as Record
+from .records.other_records import ModesRecord as ModesRecord
+from .records.other_records import ModuliRecord as ModuliRecord
+from .records.other_records import ResponseRecord as ResponseRecord
+from .records.other_records import StaticRecord as StaticRecord
+from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
+from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
 from .results.energy import Energy as Energy
 from .results.files.storage import load as load
@@ -92,6 +101,7 @@ from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
 from .results.linear_system import LinearSystem as LinearSystem
+from .results.master_curve_result import MasterCurve as MasterCurve
 from .results.modes_result import Modes as Modes
 from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem

@@ -15,10 +15,11 @@ from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
 from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.casefile.case_keys import parts_of
 from viscorod.checks import file_path, flag, require_callback, text
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.model.fields.arguments import given
-from viscorod.model.fields.definition import Definition, RefusedError
+from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Check, Key
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
@@ -61,6 +62,7 @@ class CallOptions:
         resume: go on with the motion that was stopped in that folder.
         anew: begin anew where a motion was stopped in that folder.
         attributes: of the result, beside those that all have, such as the text of its case file.
+        derivatives: keys of the numbers of the model by which derivatives of the result are wanted.
     """
 
     title: str = ""
@@ -70,6 +72,7 @@ class CallOptions:
     resume: bool = False
     anew: bool = False
     attributes: dict[str, str] = field(default_factory=dict)
+    derivatives: tuple[str, ...] = ()
 
 
 P = ParamSpec("P")
@@ -105,6 +108,15 @@ def _progress(name: str, value: Any) -> Any:
 
 def _folder(name: str, value: Any) -> Path | None:
     return None if value is None else file_path(name, value)
+
+
+def _keys(name: str, value: Any) -> tuple[str, ...]:
+    keys = [value] if isinstance(value, str) else list(value) if isinstance(value, list | tuple) else [value]
+    for key in keys:
+        if not isinstance(key, str):
+            raise InputError(Fault(name, show(key), "a key is text", 'give ["loads[0].value[1]"]'))
+        parts_of(key)
+    return tuple(dict.fromkeys(keys))
 
 
 class Titled(Definition):
@@ -148,7 +160,18 @@ class Progressing(Watched):
     )
 
 
-class EquilibriumArguments(EquilibriumSettings, Progressing):
+class Differentiated(Titled):
+    """Arguments of analyses whose results have derivatives."""
+
+    derivatives: Annotated[tuple[str, ...], _kept("derivatives", "keys", _keys)] = Key(
+        "keys of numbers of the model, such as `loads[0].value[1]`, by which all of the result is differentiated: "
+        "`result.derivatives[key]`",
+        default=(),
+        kw_only=True,
+    )
+
+
+class EquilibriumArguments(EquilibriumSettings, Progressing, Differentiated):
     """Arguments of ``Model.equilibrium``."""
 
 
@@ -156,7 +179,7 @@ class PathArguments(PathSettings, Progressing):
     """Arguments of ``Model.path``."""
 
 
-class SimulateArguments(SimulateSettings, Progressing):
+class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     """Arguments of ``Model.simulate``."""
 
     folder: Annotated[Path | None, _kept("folder", "a path", _folder)] = Key(
@@ -181,7 +204,7 @@ class ResponseArguments(ResponseSettings, Progressing):
     """Arguments of ``Model.frequency_response``."""
 
 
-class ModesArguments(ModesSettings, Titled):
+class ModesArguments(ModesSettings, Differentiated):
     """Arguments of ``Model.modes``."""
 
 

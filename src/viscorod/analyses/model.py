@@ -6,6 +6,7 @@ The solvers are imported when something is first computed, so that a model is bu
 from __future__ import annotations
 
 import warnings
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -25,11 +26,13 @@ from viscorod.analyses.call_arguments import (
     takes,
 )
 from viscorod.checks import checked
+from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
     from viscorod.analyses.co_simulation import CoSimulation
+    from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
     from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.frequency_response import FrequencyResponse
@@ -42,6 +45,9 @@ if TYPE_CHECKING:
     from viscorod.results.theory_comparison import TheoryComparison
 
 __all__ = ["Model"]
+
+DIFFERENTIATED = ("simulate", "equilibrium", "modes")
+"""Analyses whose results have derivatives."""
 
 
 class Model(ModelDescription):
@@ -59,7 +65,13 @@ class Model(ModelDescription):
         from viscorod.analyses.equilibrium import equilibrium
         from viscorod.analyses.refinement import refined
 
-        return refined(equilibrium, DiscreteModel.of(self, call, call.options), call)
+        discrete = DiscreteModel.of(self, call, call.options)
+        result = refined(equilibrium, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import equilibrium_derivatives, with_derivatives
+
+            with_derivatives(equilibrium_derivatives, self, discrete, call, result)
+        return result
 
     @takes(PathArguments)
     def path(self, call: PathArguments) -> Equilibrium:
@@ -93,7 +105,14 @@ class Model(ModelDescription):
         from viscorod.analyses.motion import motion
         from viscorod.analyses.refinement import refined_motion
 
-        return refined_motion(motion, DiscreteModel.of(self, call, call.options), call)
+        discrete = DiscreteModel.of(self, call, call.options)
+        run = refined_motion(motion, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.motions import motion_derivatives
+
+            with_derivatives(motion_derivatives, self, discrete, call, run)
+        return run
 
     @takes(CoSimulationArguments)
     def co_simulation(self, call: CoSimulationArguments) -> CoSimulation:
@@ -143,7 +162,49 @@ class Model(ModelDescription):
         from viscorod.analyses.modes import modes
         from viscorod.analyses.refinement import refined_modes
 
-        return refined_modes(modes, DiscreteModel.of(self, call, call.options), call)
+        discrete = DiscreteModel.of(self, call, call.options)
+        found = refined_modes(modes, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.eigenvalues import modes_derivatives
+
+            with_derivatives(modes_derivatives, self, discrete, call, found)
+        return found
+
+    def value_and_gradient(
+        self,
+        keys: Sequence[str],
+        function: Callable[[Any], Any],
+        analysis: str = "simulate",
+        **settings: Any,
+    ) -> ValueAndGradient:
+        """Make a function of numbers of this model that returns a value and its gradient.
+
+        Optimisers and samplers call it with an array of numbers (SI units): ``scipy.optimize.minimize(f, f.values,
+        jac=True)``. Give ``elements`` to the rods: a mesh that the program chooses may change with the numbers.
+
+        Args:
+            keys: of the numbers, as in ``derivatives``.
+            function: what is made of the result: a number, or an array.
+            analysis: "simulate", "equilibrium", "modes" or "frequency_response".
+            settings: arguments of that analysis.
+
+        Returns:
+            ``f(values) -> (value, gradient)``, the numbers along the last axis of the gradient; ``f.values`` are those
+            of this model.
+
+        Raises:
+            InputError: there is no such number or analysis.
+        """
+        from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
+
+        if analysis not in DIFFERENTIATED:
+            raise InputError(
+                Fault(
+                    "analysis", repr(analysis), "it has no derivatives", f"give {' or '.join(DIFFERENTIATED)}"
+                )
+            )
+        return ValueAndGradient(self, keys, function, analysis, settings)
 
     @takes(LinearArguments)
     def linear(self, call: LinearArguments) -> LinearSystem:

@@ -122,7 +122,11 @@ def _motion(
     def resumable() -> dict[str, Any]:
         return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
 
+    ends: list[float] = []
+
     def after_step() -> str:
+        if options.derivatives:
+            ends.append(integrator.t)
         if written is not None:
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
@@ -137,7 +141,7 @@ def _motion(
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
-        patient=options.stop is None or getattr(options.stop, "patient", False),
+        patient=not options.derivatives and (options.stop is None or getattr(options.stop, "patient", False)),
         notes=_Noted(discrete.watch, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
@@ -177,6 +181,7 @@ def _motion(
         if not interrupted:
             _tell(attrs, energy_doubt(written.contents().assign_attrs(attrs)))
         run = Run(read(written.finish(discrete.complete(attrs), keep=interrupted)))
+    run.ends_of_steps = np.array(ends)
     if message:
         raise SolveError(message, run)
     return run

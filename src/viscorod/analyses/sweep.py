@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import copy
 import os
-import re
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
@@ -15,10 +14,10 @@ from typing import Any, TypeAlias
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
 from viscorod.casefile.case import Case, case_from_dict, load_case
-from viscorod.casefile.case_reader import TABLES
+from viscorod.casefile.case_keys import put
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
-from viscorod.model.fields.definition import did_you_mean, show, some_of
+from viscorod.model.fields.definition import show
 from viscorod.results.sweep_result import Sweep, SweepRun
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
@@ -34,7 +33,6 @@ Progress: TypeAlias = Callable[[float], None]
 
 OUTPUTS = 200
 """Stored states of a run whose case gives no output_interval."""
-_KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
 
 
 def sweep(
@@ -132,7 +130,7 @@ def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[
         content = copy.deepcopy(dict(case.content))
         try:
             for key, value in row.items():
-                _put(content, key, value)
+                put(content, key, value)
             member = case_from_dict(content, case.source)
         except InputError as error:
             for problem in error.problems:  # the same mistake in many members is reported once
@@ -149,40 +147,6 @@ def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[
     if problems:
         raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
     return contents, list(dict.fromkeys(notes))
-
-
-def _put(content: dict[str, Any], key: str, value: Any) -> None:
-    """Set one key of a case file's content; everything on the way to it must be there.
-
-    Raises:
-        InputError: something on the way is not there.
-    """
-    parts = [int(m["index"]) if m["index"] else m["word"] for m in _KEY.finditer(key)]
-    if "".join(m[0] for m in _KEY.finditer(key)) != key or not parts:
-        why, instead = "this is not a key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
-        raise InputError(Fault("values", show(key), why, instead))
-    place: Any = content
-    for k, part in enumerate(parts):
-        where = "".join(f"[{p}]" if isinstance(p, int) else f".{p}" for p in parts[: k + 1])[1:]
-        last = k + 1 == len(parts)
-        if isinstance(part, int):
-            if not isinstance(place, list) or part >= len(place):
-                size = len(place) if isinstance(place, list) else 0
-                found = f"a list of {size}" if isinstance(place, list) else show(place)
-                instead = f"give a number from 0 to {size - 1}" if size else "leave [..] out"
-                raise InputError(Fault(where, found, "there is no such entry", instead))
-        elif not isinstance(place, dict):
-            listed = (
-                "name an entry, the first is [0]" if isinstance(place, list) else "give the key before it"
-            )
-            raise InputError(Fault(where, show(place), "this has no keys of its own", listed))
-        elif part not in place and (not last or (k == 1 and parts[0] in TABLES)):
-            hint = did_you_mean(part, place, str)
-            raise InputError(Fault(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
-        if last:
-            place[part] = value
-        else:
-            place = place[part]
 
 
 Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None]

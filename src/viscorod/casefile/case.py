@@ -54,7 +54,9 @@ class Case:
 
     def model(self, kind: type[M]) -> M:
         """Return the model as an object of a class derived from `ModelDescription`."""
-        return kind.of(**self.description.parts())
+        found = kind.of(**self.description.parts())
+        found.materials, found.sections = dict(self.description.materials), dict(self.description.sections)
+        return found
 
     def to_dict(self) -> dict[str, Any]:
         """Return the content of a case file that describes the same."""

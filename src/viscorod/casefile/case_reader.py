@@ -34,6 +34,7 @@ from viscorod.model.fields.definition import (
 from viscorod.model.fields.values import choose, name_of_part
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
+from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.buckling import BucklingSettings
@@ -68,6 +69,8 @@ TABLES = ("materials", "sections", "rods", "bodies")
 LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", "strains", "rest_strains")
 KEYS = ("title", *TABLES, *LISTS, *ANALYSES)
 
+SETTINGS = tuple(ANALYSES)
+"""Tables of settings."""
 SECTION_KEYS = ("section", "sections", "taper")
 PLAIN_KEYS = ("elements", "order", "d1", "twist", "constraints", "law", "tilt", "curvature_correction")
 ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
@@ -101,6 +104,9 @@ class CaseReader:
             self._materials[name] = self._named(f"materials.{name}", Material.model_validate, table)
         for name, table in self._tables("sections"):
             self._sections[name] = self._named(f"sections.{name}", one_section, self._materials_inside(table))
+        known = {name: part for name, part in self._materials.items() if isinstance(part, Material)}
+        self.model.materials.update(known)
+        self.model.sections.update({k: s for k, s in self._sections.items() if isinstance(s, AnySection)})
         if "rods" not in (*self.data, *self._meant):
             self._wrong("rods", "", "a case needs at least one rod", "add a table [rods.NAME]")
         for name, table in self._tables("rods"):
@@ -109,14 +115,8 @@ class CaseReader:
             body = self._parsed(f"bodies.{name}", one_body, table)
             if isinstance(body, AnyBody):
                 self._add(name, body)
-        self.model.supports = self._list("supports", support)
-        self.model.loads = self._list("loads", load)
-        self.model.attachments = self._list("attachments", Attachment.model_validate)
-        self.model.joints = self._list("joints", joint)
-        self.model.springs = self._list("springs", spring)
-        self.model.velocities = self._list("velocities", InitialVelocity.model_validate)
-        self.model.strains = self._list("strains", InitialStrain.model_validate)
-        self.model.rest_strains = self._list("rest_strains", RestStrain.model_validate)
+        for key, parse in ENTRIES.items():
+            setattr(self.model, key, self._list(key, parse))
         self._analysis()
         if not self.problems:
             try:
@@ -303,6 +303,58 @@ class CaseReader:
         if not isinstance(value, Mapping):
             return value
         return {key: self._section_named(item) if key in keys else item for key, item in value.items()}
+
+
+def read_part(table: str, name: str, content: Any) -> Any:
+    """Return a rod, body, material or section from its table in a case file.
+
+    Args:
+        table: "rods", "bodies", "materials" or "sections"; name: of the part; content: of its table.
+
+    Raises:
+        InputError: it is refused.
+    """
+    reader = CaseReader({})
+    if table == "rods":
+        reader._rod(name, content)
+        part: Any = reader.model.rods.get(name)
+    else:
+        parts: dict[str, Callable[[Any], Any]] = {
+            "bodies": one_body,
+            "materials": Material.model_validate,
+            "sections": one_section,
+        }
+        parse = parts[table]
+        part = reader._parsed(f"{table}.{name}", parse, content)
+    if reader.problems:
+        raise InputError(reader.problems)
+    return part
+
+
+def read_entry(table: str, index: int, content: Any) -> Any:
+    """Return an entry of a list of a case file, such as ``[[loads]]``.
+
+    Raises:
+        InputError: it is refused.
+    """
+    reader = CaseReader({})
+    found = reader._parsed(f"{table}[{index}]", ENTRIES[table], content)
+    if reader.problems:
+        raise InputError(reader.problems)
+    return found
+
+
+ENTRIES: dict[str, Callable[[Any], Any]] = {
+    "supports": support,
+    "loads": load,
+    "attachments": Attachment.model_validate,
+    "joints": joint,
+    "springs": spring,
+    "velocities": InitialVelocity.model_validate,
+    "strains": InitialStrain.model_validate,
+    "rest_strains": RestStrain.model_validate,
+}
+"""How the entries of each list are read."""
 
 
 def _as_material(value: Any) -> Material:

@@ -17,7 +17,7 @@ from viscorod.model.fields.definition import RefusedError, nearest, show
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["Conversion", "looks_like_quantity", "si_value"]
+__all__ = ["Conversion", "looks_like_quantity", "si_of", "si_value"]
 
 Dimension: TypeAlias = tuple[tuple[str, Fraction], ...]
 
@@ -129,6 +129,15 @@ def si_value(text: str, unit: str, key: str) -> float:
     if value == 0.0 and exact != 0:
         raise RefusedError("smaller than any quantity", _advice(unit))
     return value
+
+
+def si_of(unit: str) -> float:
+    """Return the value of a unit in SI, whatever it measures.
+
+    Raises:
+        RefusedError: it is no unit.
+    """
+    return float(_factor(unit)[0])
 
 
 TURN = 6.283185307179586

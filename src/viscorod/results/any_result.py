@@ -10,7 +10,9 @@ if TYPE_CHECKING:
 
     from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
+    from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.master_curve_result import MasterCurve
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -18,7 +20,17 @@ if TYPE_CHECKING:
     from viscorod.results.steady_result import Steady
 
     AnyResult: TypeAlias = (
-        Run | Equilibrium | Steady | Modes | Buckling | FrequencyResponse | Campbell | Stability | Periodic
+        Run
+        | Equilibrium
+        | Steady
+        | Modes
+        | Buckling
+        | FrequencyResponse
+        | Campbell
+        | Stability
+        | Periodic
+        | Decay
+        | MasterCurve
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -33,6 +45,8 @@ KINDS = {
     "campbell": ("campbell", "Campbell"),
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
+    "decay": ("decay_result", "Decay"),
+    "master_curve": ("master_curve_result", "MasterCurve"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
@@ -22,6 +23,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.derivative import Derivative
     from viscorod.results.probe import Places
     from viscorod.results.validity import Validity
     from viscorod.solve.stress.recorded_rods import RecordedRods
@@ -35,6 +37,8 @@ class Result(ABC):
     kind: ClassVar[str]
     picture: ClassVar[str] = "shape"
     """Name of the picture of it all."""
+    derivatives: Mapping[str, Derivative[Self]] = MappingProxyType({})
+    """By the keys of the numbers that were asked for; see ``Derivative``."""
     _build: Callable[[], xr.Dataset]
 
     def __init__(self, data: xr.Dataset) -> None:

@@ -39,6 +39,8 @@ class Run(Result):
     """A motion over time; ``data`` holds it whole, with ``time`` index 0 the initial state."""
 
     kind: ClassVar[str] = "simulate"
+    ends_of_steps: Floats = np.zeros(0)
+    """Times [s] at which its steps ended, known where derivatives were wanted."""
 
     @property
     def time(self) -> Floats:

@@ -6,6 +6,8 @@ import typer
 
 from viscorod.cli.damping_commands.blade_command import blade
 from viscorod.cli.damping_commands.convert_command import convert
+from viscorod.cli.damping_commands.decay_command import decay
+from viscorod.cli.damping_commands.master_command import master
 from viscorod.cli.damping_commands.program_commands import from_program, programs
 
 __all__ = ["app"]
@@ -19,3 +21,5 @@ app.command()(convert)
 app.command()(programs)
 app.command("from")(from_program)
 app.command()(blade)
+app.command()(decay)
+app.command()(master)

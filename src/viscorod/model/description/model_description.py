@@ -24,7 +24,9 @@ from viscorod.model.description.support_methods import Held
 from viscorod.model.fields.arguments import Time, Vector, given
 from viscorod.model.fields.definition import RefusedError, plain_value, show
 from viscorod.model.fields.values import name_of_part
+from viscorod.model.materials.material import Material
 from viscorod.model.rod import Rod
+from viscorod.model.sections.section_base import AnySection
 from viscorod.typing import Floats
 
 __all__ = ["ModelDescription"]
@@ -45,6 +47,7 @@ class ModelDescription(Held, Loaded, Joined):
         joints, springs: in order.
         velocities, strains: at t = 0.
         rest_strains: at which rods are free of stress.
+        materials, sections: names of those that rods have, as in a case file; only derivatives look at them.
     """
 
     def __init__(self) -> None:
@@ -58,6 +61,8 @@ class ModelDescription(Held, Loaded, Joined):
         self.velocities: list[InitialVelocity] = []
         self.strains: list[InitialStrain] = []
         self.rest_strains: list[RestStrain] = []
+        self.materials: dict[str, Material] = {}
+        self.sections: dict[str, AnySection] = {}
 
     def add(self, name: str, part: Rod | AnyBody) -> None:
         """Add a rod or a rigid body under a new name (letters, digits, _ and -).

@@ -21,12 +21,12 @@ from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
-from viscorod.model.materials.sweeps import DmaTable, Points, one_sweep, perhaps_percent
+from viscorod.model.materials.sweeps import DmaTable, Points, every_sweep, one_sweep, perhaps_percent
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of
 from viscorod.typing import Floats
 
-__all__ = ["read_dma_table"]
+__all__ = ["read_dma_sweeps", "read_dma_table"]
 
 _AGREE = 0.03
 """Relative difference, of half the rows, that rounding explains between columns that say the same twice."""
@@ -56,6 +56,26 @@ def read_dma_table(
         RefusedError: the file cannot be read, a column or a unit is missing, a row does not fit the names, a text
             stands in place of a number, columns contradict each other, or several sweeps leave a choice.
     """
+    return one_sweep(_parts(path, frequency_unit, modulus_unit), temperature)
+
+
+@checked
+def read_dma_sweeps(
+    path: str | Path, *, frequency_unit: str | None = None, modulus_unit: str | None = None
+) -> list[tuple[float, float, DmaTable]]:
+    """Read all sweeps of a file: temperature of the sample [C], how far it went from it [K], and the table of each.
+
+    Args:
+        path, frequency_unit, modulus_unit: see `read_dma_table`.
+
+    Raises:
+        RefusedError: see `read_dma_table`; or the file has no temperatures.
+    """
+    return every_sweep(_parts(path, frequency_unit, modulus_unit))
+
+
+def _parts(path: str | Path, frequency_unit: str | None, modulus_unit: str | None) -> list[Points]:
+    """Return the measured points of the tables of a file."""
     blocks = blocks_of(lines_of(Path(path)))
     given = {"frequency": frequency_unit, "modulus": modulus_unit}
     numbers = Numbers(
@@ -68,7 +88,7 @@ def read_dma_table(
     strains = {part.strain for part in parts}
     if len(strains) > 1:
         raise RefusedError("the file has tables of different strains", "keep one of them in the file")
-    return one_sweep(parts, temperature)
+    return parts
 
 
 def _near(block: Block) -> set[int]:

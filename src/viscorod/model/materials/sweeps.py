@@ -13,7 +13,7 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
 from viscorod.typing import Floats
 
-__all__ = ["DmaTable", "Points", "one_sweep", "perhaps_percent", "tidied"]
+__all__ = ["DmaTable", "Points", "every_sweep", "one_sweep", "perhaps_percent", "tidied"]
 
 _JUMP = 2.0
 """Change of the temperature [K] from row to row that begins another sweep."""
@@ -93,6 +93,37 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
         RefusedError: there are several and none is chosen, or none near the temperature; or what is called one sweep
             has different moduli at one frequency.
     """
+    points, notes, left_out = _usable(parts)
+    sweeps = _with_frequencies(_sweeps(points), notes)
+    sweep = _chosen(sweeps, temperature, notes)
+    return tidied(sweep.omega, sweep.storage, sweep.loss, points.strain, [*notes, *left_out])
+
+
+def every_sweep(parts: list[Points]) -> list[tuple[float, float, DmaTable]]:
+    """Return all sweeps by increasing temperature: mean of the sample [C], how far it went from it [K], and the table.
+
+    Raises:
+        RefusedError: a sweep has no temperature.
+    """
+    points, notes, left_out = _usable(parts)
+    found = []
+    for sweep in _with_frequencies(_sweeps(points), notes):
+        known = sweep.temperature[np.isfinite(sweep.temperature)]
+        degrees = known if known.size else sweep.degrees
+        mean = float(degrees.mean())
+        if not math.isfinite(mean):
+            raise RefusedError(
+                "the file has no column of temperatures",
+                "add one, or give the temperature of each file",
+                at=("temperature",),
+            )
+        table = tidied(sweep.omega, sweep.storage, sweep.loss, points.strain, [*notes, *left_out])
+        found.append((mean, float(np.abs(degrees - mean).max()), table))
+    return sorted(found, key=lambda one: one[0])
+
+
+def _usable(parts: list[Points]) -> tuple[Points, list[str], list[str]]:
+    """Return the points of a file that have numbers, with notes on what was read, and on what is left out."""
     points = _joined(parts)
     notes = list(points.notes)
     usable = (points.omega > SMALLEST_NUMBER) & (points.storage > SMALLEST_NUMBER) & (points.loss >= 0.0)
@@ -107,16 +138,15 @@ def one_sweep(parts: list[Points], temperature: float | None = None) -> DmaTable
             "no row has a frequency > 0, a storage modulus > 0 and a loss modulus >= 0",
             "check the columns of the file",
         )
-    sweeps = _with_frequencies(_sweeps(points.at(usable)), notes)
-    sweep = _chosen(sweeps, temperature, notes)
-    left_out = points.at(~usable)
-    if left_out.line.size:
-        count = left_out.line.size
-        notes.append(
+    without = points.at(~usable)
+    left_out = []
+    if without.line.size:
+        count = without.line.size
+        left_out.append(
             f"{_counted(count, 'row')} of the file {'has' if count == 1 else 'have'} no usable numbers (missing, or "
-            f"not positive) and {'is' if count == 1 else 'are'} left out: {_listed('line', left_out.line)}"
+            f"not positive) and {'is' if count == 1 else 'are'} left out: {_listed('line', without.line)}"
         )
-    return tidied(sweep.omega, sweep.storage, sweep.loss, points.strain, notes)
+    return points.at(usable), notes, left_out
 
 
 def tidied(

@@ -1,0 +1,1 @@
+"""Derivatives of results by numbers of the case."""

@@ -1,0 +1,119 @@
+"""Derivatives of a finished result by numbers of its case, on its mesh and with its steps."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.analyses.call_arguments import Differentiated
+from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
+from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.start_state import StartState
+from viscorod.errors import Fault, InputError
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.results.dataset import dataset
+from viscorod.results.derivative import Derivative
+from viscorod.results.result import Result
+from viscorod.results.run import Equilibrium
+from viscorod.solve.energy_account import EnergyAccount
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import History, Snapshot
+from viscorod.solve.problem.division import Division
+from viscorod.solve.settings.statics import EquilibriumSettings
+from viscorod.solve.start import Start
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
+
+
+def on_mesh_of(discrete: DiscreteModel, result: Result) -> DiscreteModel:
+    """Return a discretised model on the mesh of a result of it."""
+    stored = json.loads(str(result.data.attrs.get("divisions", "{}")))
+    if not stored:
+        return discrete.renewed(discrete.options, {})
+    return discrete.on_mesh({name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()})
+
+
+def with_derivatives(
+    compute: Callable[..., dict[str, Derivative[Any]]],
+    model: ModelDescription,
+    discrete: DiscreteModel,
+    call: Differentiated,
+    result: Any,
+) -> None:
+    """Give a result its derivatives.
+
+    Args:
+        compute: the derivatives of this kind of result, of ``(model, discrete, settings, result, keys)``.
+        model: as its user made it; discrete: the same, on any mesh.
+        call: of the analysis, with the keys of the numbers; result: that it found.
+    """
+    result.derivatives = compute(model, on_mesh_of(discrete, result), call, result, call.derivatives)
+
+
+def equilibrium_derivatives(
+    model: ModelDescription,
+    discrete: DiscreteModel,
+    settings: EquilibriumSettings,
+    result: Equilibrium,
+    keys: Sequence[str],
+) -> dict[str, Derivative[Equilibrium]]:
+    """Return the derivatives of an equilibrium, in all states that are stored of it."""
+    if settings.stages or settings.start is not None:
+        raise InputError(
+            Fault(
+                "derivatives",
+                ", ".join(keys),
+                "equilibria that are found in stages or from an earlier state have no derivatives here",
+                "leave stages and start out",
+            )
+        )
+    every = [Neighbours.of(model, key, discrete) for key in keys]
+    histories = [[History() for _ in one.each] for one in every]
+    for factor in map(float, result.load_factor):
+        state = StartState(discrete, Start(result=result, load_factor=factor)).state
+        change = StaticChange(discrete, state, Instant(scale=factor))
+        for neighbours, kept in zip(every, histories, strict=True):
+            increment = change.increment(neighbours)
+            for one, history in zip(neighbours.each, kept, strict=True):
+                moved = change.moved(increment, one.change)
+                record_static(one, moved, Instant(scale=factor), history, factor, discrete)
+    return {
+        neighbours.number.key: derivative(neighbours, result, kept, Equilibrium)
+        for neighbours, kept in zip(every, histories, strict=True)
+    }
+
+
+def record_static(
+    one: Neighbour, state: State, at: Instant, history: History, level: float, discrete: DiscreteModel
+) -> None:
+    """Append a resting state of a neighbour to its history."""
+    one.system.constraints.near[:] = discrete.system.constraints.near
+    one.static.restore(state, at.t, before=at.before, scale=at.scale)
+    snapshot = Snapshot.of(state, one.system, one.supports)
+    history.record(level, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
+
+
+def derivative(
+    neighbours: Neighbours, result: Any, histories: Sequence[History], kind: type[Any]
+) -> Derivative[Any]:
+    """Return a derivative from the histories of the neighbours."""
+    number = neighbours.number
+    parts = []
+    for one, history in zip(neighbours.each, histories, strict=True):
+        data: xr.Dataset = dataset(
+            kind.kind, one.problem, one.system.gauss_positions(), history, attributes(result)
+        )
+        parts.append((one.weight, kind(data)))
+    return Derivative(number.key, number.value, number.unit, result, parts)
+
+
+def attributes(result: Result) -> dict[str, Any]:
+    """Return the attributes of a result for one close by."""
+    return {name: value for name, value in result.data.attrs.items() if name != "kind"}

@@ -1,0 +1,199 @@
+"""How small vibrations change with numbers of the case, by the vectors from both sides.
+
+With ``P(s) x = 0`` and ``y* P(s) = 0``, conditions of joints and held strains bordering ``P``, a simple eigenvalue
+changes by ``ds = -y* dP(s) x/(y* P'(s) x)`` (Lancaster 1964). ``dP`` is the derivative of the matrices along the
+equilibrium that changes too. Of eigenvalues that fall together only the mean has such a derivative.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from scipy import sparse
+
+from viscorod.analyses.derivatives.differentiate import attributes, record_static
+from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
+from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.start_state import StartState
+from viscorod.errors import Fault, InputError, SolveError, warn
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.results.dataset import dataset
+from viscorod.results.derivative import Derivative
+from viscorod.results.modes_result import Modes
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import History
+from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.linear_systems.small_motions import SmallMotions, small_motions
+from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.start import Start
+from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.typing import Floats
+
+__all__ = ["modes_derivatives"]
+
+TOGETHER = 1e-6
+"""Distance of eigenvalues that fall together, as a part of them."""
+ROUNDS = 4
+"""Inverse iterations from an eigenvalue that is known to round-off."""
+OUTSIDE = 1e-9
+"""Part of an eigenvalue by which the matrix is taken beside it: it is singular there."""
+UNKNOWN = ("mode_shape", "mode_rotation", "mode_share", "mode_residual", "mode_error")
+"""What has no derivatives here."""
+
+
+def modes_derivatives(
+    model: ModelDescription,
+    discrete: DiscreteModel,
+    settings: ModesSettings,
+    result: Modes,
+    keys: Sequence[str],
+) -> dict[str, Derivative[Modes]]:
+    """Return the derivatives of eigenvalues, and of the state that they are about."""
+    if not isinstance(settings.about, str):
+        why = "modes about an earlier state have no derivatives here"
+        raise InputError(Fault("derivatives", ", ".join(keys), why, "give about as a word"))
+    loaded = settings.about != "reference"
+    at = Instant(before=settings.about != "released", scale=float(loaded))
+    change = _change(discrete, result, at) if loaded else None
+    state = State.reference(discrete.problem) if change is None else change.state
+    pencil = _Pencil.of(discrete.static, state, at)
+    groups = _groups(result)
+    vectors = [pencil.vectors(complex(np.mean(result.eigenvalues[group])), len(group)) for group in groups]
+    found = {}
+    for key in keys:
+        neighbours = Neighbours.of(model, key, discrete)
+        increment = None if change is None else change.increment(neighbours)
+
+        def moved(one: Neighbour, increment: Floats | None = increment) -> State:
+            if change is None or increment is None:
+                return State.reference(one.problem)
+            return change.moved(increment, one.change)
+
+        pencils = {id(one): _Pencil.of(one.static, moved(one), at) for one in neighbours.each}
+        rates = np.zeros(len(result.eigenvalues), dtype=complex)
+        for group, (s, right, left, slope) in zip(groups, vectors, strict=True):
+            changed = sum(one.weight * (pencils[id(one)].at(s) @ right) for one in neighbours.each)
+            rates[group] = -np.trace(np.linalg.solve(slope, left.conj().T @ changed)) / len(group)
+        histories = [History() for _ in neighbours.each]
+        for one, history in zip(neighbours.each, histories, strict=True):
+            record_static(one, moved(one), at, history, at.scale, discrete)
+        found[key] = _derivative(neighbours, result, histories, rates, groups)
+    return found
+
+
+def _change(discrete: DiscreteModel, result: Modes, at: Instant) -> StaticChange | None:
+    """Return the change of the equilibrium; None where nothing acts on a model that nothing holds."""
+    state = StartState(discrete, Start(result=result)).state
+    state.twist[:] = 0.0
+    try:
+        return StaticChange(discrete, state, at)
+    except SolveError:
+        discrete.static.restore(state, at.t, before=at.before, scale=at.scale)
+        if discrete.static.loads.at(at.t, at.before).none:
+            return None
+        raise
+
+
+def _groups(result: Modes) -> list[list[int]]:
+    """Return the numbers of the modes that have one eigenvalue each, rigid motions left out."""
+    s = result.eigenvalues
+    groups: list[list[int]] = []
+    for k in range(result.rigid, len(s)):
+        same = [g for g in groups if abs(s[g[0]] - s[k]) <= TOGETHER * abs(s[k])]
+        if same:
+            same[0].append(k)
+        else:
+            groups.append([k])
+    return groups
+
+
+class _Pencil:
+    """The matrices of small motions at one state, bordered by conditions, as a function of ``s``."""
+
+    def __init__(self, small: SmallMotions) -> None:
+        self.small = small
+        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        free = sparse.csr_array(small.free @ sparse.diags_array(units))
+        scale = sparse.diags_array(units)
+        self._parts = [sparse.csr_array(scale @ (rows @ free)) for rows in small.balance]
+        self._held = None if small.gradients is None else sparse.csr_array(small.gradients @ free)
+        self._weight = float(np.abs(self._parts[0].diagonal()).mean()) or 1.0
+
+    @classmethod
+    def of(cls, static: StaticSolver, state: State, at: Instant) -> _Pencil:
+        """Return that of an equilibrium."""
+        return cls(small_motions(static, state, before=at.before, scale=at.scale))
+
+    def at(self, s: complex) -> sparse.csc_array:
+        """Return the matrix at ``s`` [1/s]."""
+        return self._bordered([c(s) for c in self.small.coefficients], held=True)
+
+    def slope(self, s: complex) -> sparse.csc_array:
+        """Return its derivative by ``s``."""
+        times = self.small.times
+        rates = [0.0, 1.0, 2.0 * s, *(tau / (1.0 + s * tau) ** 2 for tau in times)]
+        return self._bordered(rates, held=False)
+
+    def vectors(self, s: complex, count: int) -> tuple[complex, np.ndarray, np.ndarray, np.ndarray]:
+        """Return eigenvalue, right and left vectors ``(n, count)``, and what the slope is between these."""
+        factors = SparseLU(sparse.csc_array(self.at(s * (1.0 + OUTSIDE)), dtype=complex))
+        rng = np.random.default_rng(0)
+        size = self.at(s).shape[0]
+        right, left = (rng.normal(size=(size, count)) + 0j for _ in range(2))
+        # s by s the conditions have no slope: the inverse times the slope tends to the vectors
+        slope = self.slope(s)
+        for _ in range(ROUNDS):
+            right, _ = np.linalg.qr(factors.solve(slope @ right))
+            left, _ = np.linalg.qr(factors.solve((slope.T @ left.conj()), transposed=True).conj())
+        between = left.conj().T @ (slope @ right)
+        s = s - complex(np.trace(np.linalg.solve(between, left.conj().T @ (self.at(s) @ right)))) / count
+        return s, right, left, between
+
+    def _bordered(self, coefficients: Sequence[complex], *, held: bool) -> sparse.csc_array:
+        total: Any = sum(c * part for c, part in zip(coefficients, self._parts, strict=False))
+        if self._held is None:
+            return sparse.csc_array(total)
+        rows = self._weight * self._held
+        none = sparse.csr_array((rows.shape[0], rows.shape[0]))
+        if not held:
+            return sparse.csc_array(sparse.block_diag([total, none]))
+        return sparse.csc_array(sparse.block_array([[total, rows.T], [rows, none]]))
+
+
+def _derivative(
+    neighbours: Neighbours,
+    result: Modes,
+    histories: Sequence[History],
+    rates: np.ndarray,
+    groups: Sequence[Sequence[int]],
+) -> Derivative[Modes]:
+    """Return the derivative from modes to first order."""
+    number = neighbours.number
+    parts = []
+    for one, history in zip(neighbours.each, histories, strict=True):
+        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, attributes(result))
+        s = result.eigenvalues + one.change * rates
+        kept: dict[str, Any] = {
+            "mode_name": ("small_motion", result.data["mode_name"].values),
+            "eigenvalue": (("small_motion", "part"), np.stack([s.real, s.imag], axis=1)),
+            "part": ["real", "imaginary"],
+        }
+        for name in UNKNOWN:
+            if name in result.data:
+                kept[name] = (result.data[name].dims, np.full(result.data[name].shape, np.nan))
+        parts.append((one.weight, Modes(data.assign(kept))))
+    notes = []
+    several = [group for group in groups if len(group) > 1]
+    if several:
+        listed = "; ".join(", ".join(str(k + 1) for k in group) for group in several)
+        notes.append(
+            f"the modes {listed} have one frequency: a number may part them, and what is given for each is the "
+            "derivative of their mean"
+        )
+    found = Derivative(number.key, number.value, number.unit, result, parts, notes)
+    for note in notes:
+        warn(f"derivatives by {number.key}: {note}")
+    return found

@@ -1,0 +1,201 @@
+"""The discretised model with a number of the case a little larger and smaller, on the same mesh.
+
+What enters a problem through its arrays is smooth in the number. Central differences with two steps, extrapolated
+(Richardson), have an error of the fourth order in the step of 1e-3 of the number, which leaves about 1e-12 of it and of
+rounding together; where one side is refused (a ratio at its bound, a time of zero), five points of the other side do
+the same. Nothing is solved for these.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscorod.analyses.derivatives.case_numbers import CaseNumber
+from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
+from viscorod.analyses.modal_damping import with_known_times
+from viscorod.errors import Fault, InputError
+from viscorod.model.connections.resolved_places import required_breaks
+from viscorod.model.description.model_description import ModelDescription
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.registry import FORMULATIONS
+from viscorod.solve.formulations.system import System
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.division import Division, Divisions, divisions_of
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.static_solver import StaticSolver
+
+__all__ = ["Neighbour", "Neighbours", "Scheme"]
+
+STEP = 1e-3
+"""Change of a number, as a part of it."""
+
+
+class Scheme(NamedTuple):
+    """Where a function is evaluated, in steps, and the weights of a derivative over the step."""
+
+    places: tuple[float, ...]
+    weights: tuple[float, ...]
+
+
+CENTRAL = Scheme((1.0, -1.0, 0.5, -0.5), (-1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0))
+"""Two central differences, extrapolated."""
+ABOVE = Scheme((0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25))
+BELOW = Scheme(tuple(-x for x in ABOVE.places), tuple(-w for w in ABOVE.weights))
+"""Differences to one side."""
+
+
+@dataclass(frozen=True)
+class Neighbour:
+    """The model at one place of a scheme: its problem, and solvers of its own.
+
+    Attributes:
+        change: of the number; weight: of what is computed with it, in the derivative.
+    """
+
+    change: float
+    weight: float
+    model: ModelDescription
+    problem: Problem
+    system: System
+    supports: SupportState
+    static: StaticSolver
+
+
+class Neighbours(NamedTuple):
+    """All that a derivative by one number is made of."""
+
+    number: CaseNumber
+    each: tuple[Neighbour, ...]
+
+    @classmethod
+    def of(cls, model: ModelDescription, key: str, discrete: DiscreteModel, close: float = 1.0) -> Neighbours:
+        """Make them beside a discretised model.
+
+        Args:
+            model: as its user made it; key: of the number; discrete: the same on its mesh.
+            close: factor of the change of the number.
+
+        Raises:
+            InputError: there is no such number, or it changes the mesh, what is connected, or when loads jump.
+        """
+        number = CaseNumber.of(model, key)
+        size = number.size or natural_size(number.unit, discrete.problem)
+        refused: InputError | None = None
+        for scheme, part in ((CENTRAL, 1.0), (CENTRAL, 0.01), (ABOVE, 1.0), (BELOW, 1.0)):
+            step = part * close * STEP * size
+            try:
+                found = [_made(discrete, number, step * place) for place in scheme.places]
+            except InputError as error:
+                refused = refused or error
+                continue
+            each = [
+                Neighbour(step * place, weight / step, *made)
+                for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
+            ]
+            return cls(number, tuple(each))
+        raise InputError(
+            Fault(
+                "derivatives",
+                repr(key),
+                f"the model cannot be made with a slightly larger or smaller number: {refused}",
+                "name a number that may vary a little while mesh and connections stay",
+            )
+        )
+
+    def derivative(self, function: Callable[[Neighbour], np.ndarray]) -> np.ndarray:
+        """Return the derivative of the arrays that a function returns."""
+        total: np.ndarray = sum((one.weight * function(one) for one in self.each), np.zeros(()))
+        return total
+
+
+def natural_size(unit: str, problem: Problem) -> float:
+    """Return what is of moderate size for a model, in a unit: of numbers that are zero."""
+    bending = min((float(b) for e in problem.sets for b in e.stiffness[:, 3, 3] if b > 0.0), default=1.0)
+    length, mass = problem.length, float(problem.mass[:, 0, 0].sum()) or 1.0
+    time = float(np.sqrt(mass * length**3 / bending))
+    return {
+        "N": bending / length**2,
+        "N/m": bending / length**3,
+        "N m": bending / length,
+        "m": length,
+        "1/m": 1.0 / length,
+        "kg": mass,
+        "s": time,
+        "m/s": length / time,
+        "rad/s": 1.0 / time,
+        "m/s^2": length / time**2,
+    }.get(unit, 1.0)
+
+
+def _made(
+    discrete: DiscreteModel, number: CaseNumber, change: float
+) -> tuple[ModelDescription, Problem, System, SupportState, StaticSolver]:
+    """Return the parts of a neighbour."""
+    model = number.at(number.value + change)
+    if discrete.model.rest_strains and not discrete.model.strains and model.strains:
+        model = with_strains_at_rest(model)
+    known = with_known_times(model)
+    divisions = _moved(discrete.model, known, divisions_of(discrete.problem))
+    problem = discretise(known, validated=True, divisions=divisions)
+    difference = _difference(discrete.problem, problem)
+    if difference:
+        raise InputError(Fault(number.key, f"{number.value:.6g}", f"it changes {difference}", ""))
+    system, supports = FORMULATIONS[discrete.formulation].make(problem), SupportState(problem)
+    return known, problem, system, supports, StaticSolver(system, supports)
+
+
+def _moved(model: ModelDescription, other: ModelDescription, divisions: Divisions) -> dict[str, Division]:
+    """Return the divisions of another model: elements keep their parts of the lengths between fixed places."""
+    found = {}
+    for name, division in divisions.items():
+        here, there = (_corners(one, name) for one in (model, other))
+        if len(here) != len(there):
+            raise InputError(Fault(f"rods.{name}", "", "the places where elements must end differ", ""))
+        order = np.argsort(here)
+        ends = np.interp(division.ends, here[order], there[order])
+        found[name] = Division(division.order, ends)
+    return found
+
+
+def _corners(model: ModelDescription, name: str) -> np.ndarray:
+    """Return the arc lengths of a rod at which elements end, in the order in which they are given."""
+    rod = model.rods[name]
+    places = [*required_breaks(model), *(place for load in model.loads for place in load.breaks(model))]
+    return np.array([0.0, rod.length, *rod.section_breaks, *(p.s for p in places if p.rod == name)])
+
+
+def _difference(problem: Problem, other: Problem) -> str:
+    """Say in what two problems differ beside their numbers; empty if in nothing."""
+    mine, its = problem.joints.arrays, other.joints.arrays
+    checks: dict[str, list[tuple[Any, Any]]] = {
+        "the mesh": [
+            (problem.positions.shape, other.positions.shape),
+            (len(problem.sets), len(other.sets)),
+            *((a.nodes, b.nodes) for a, b in zip(problem.sets, other.sets, strict=False)),
+            (problem.multipliers, other.multipliers),
+        ],
+        "what is connected or held": [
+            (problem.supports.nodes, other.supports.nodes),
+            (problem.supports.fixed, other.supports.fixed),
+            (mine.nodes, its.nodes),
+            (mine.kind, its.kind),
+            (mine.place, its.place),
+            (problem.held.place, other.held.place),
+        ],
+        "the number of Maxwell branches": [
+            (len(problem.relaxation_times), len(other.relaxation_times)),
+        ],
+        "when loads or motions jump or have corners": [
+            (problem.breakpoints, other.breakpoints),
+            (problem.jumps, other.jumps),
+            (problem.rows, other.rows),
+        ],
+    }
+    for text, pairs in checks.items():
+        if not all(np.array_equal(a, b) for a, b in pairs):
+            return text
+    return ""

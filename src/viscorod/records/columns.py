@@ -1,0 +1,251 @@
+"""Columns of numbers with names and units, whatever file or object they come from."""
+
+from __future__ import annotations
+
+import difflib
+import re
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from viscorod.casefile.units import si_of, si_value
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.typing import Floats
+
+__all__ = ["Columns", "name_and_unit", "si_factor", "si_size", "stacked"]
+
+GRAVITY = 9.80665
+"""m/s^2 of the unit g of accelerometers."""
+_BRACKETS = re.compile(
+    r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\[\]]*)\]|\((?P<b>[^()]*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
+)
+_PLAIN = {"-": "1", "": "", "1": "1", "sec": "s", "seconds": "s", "Sec": "s"}
+_SPELT = {
+    **{"m/s2": "m/s^2", "m/s²": "m/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "um": "µm"},
+    **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain"), "ustrain"),
+}
+"""Other spellings of units."""
+
+
+@dataclass(frozen=True, eq=False)
+class Columns:
+    """A table.
+
+    Attributes:
+        source: the file or object, for messages.
+        names: of the columns, without units.
+        units: of the columns as written, None where the source does not say.
+        values: real, or complex (rows, columns).
+    """
+
+    source: str
+    names: tuple[str, ...]
+    units: tuple[str | None, ...]
+    values: np.ndarray
+
+    def number(self, key: str, wanted: str | int) -> int:
+        """Return the place of a column that is named or numbered from 1.
+
+        Raises:
+            InputError: there is none, or several.
+        """
+        if isinstance(wanted, int) and not isinstance(wanted, bool):
+            if 1 <= wanted <= len(self.names):
+                return wanted - 1
+            raise self._refused(
+                key, wanted, f"there are {len(self.names)} columns", f"give 1 to {len(self.names)}"
+            )
+        fits = [k for k, name in enumerate(self.names) if name == wanted]
+        fits = fits or [
+            k for k, name in enumerate(self.names) if name.casefold() == str(wanted).strip().casefold()
+        ]
+        if len(fits) == 1:
+            return fits[0]
+        near = difflib.get_close_matches(str(wanted), self.names, n=1)
+        listed = ", ".join(self.names[:12]) + (
+            f" and {len(self.names) - 12} more" if len(self.names) > 12 else ""
+        )
+        raise self._refused(
+            key,
+            wanted,
+            "several columns have this name" if fits else "no column has this name",
+            f"did you mean {near[0]!r}?"
+            if near and not fits
+            else f"give its number, from 1, or one of {listed}",
+        )
+
+    def si(self, key: str, wanted: str | int, unit: str, given: str | None = None) -> Floats:
+        """Return a column in SI.
+
+        Args:
+            key: of the argument, for messages.
+            wanted: name or number.
+            unit: SI unit that it must have.
+            given: the unit, where the source does not say.
+
+        Raises:
+            InputError: no unit is known, or one of another kind; or there is a gap.
+        """
+        k = self.number(key, wanted)
+        written = self.units[k]
+        column = f"column {self.names[k] or k + 1}"
+        if (
+            given is not None
+            and written is not None
+            and si_factor(self.source, column, written, unit)
+            != si_factor(self.source, f"{key}_unit", given, unit)
+        ):
+            raise self._refused(
+                f"{key}_unit", given, f"the source says {written!r} of {column}", "leave it out"
+            )
+        chosen = given if given is not None else written
+        if chosen is None:
+            raise self._refused(
+                key,
+                wanted,
+                f"the source does not give the unit of {column}",
+                f"write it beside its name, or give {key}_unit",
+            )
+        values = self.values[:, k]
+        if np.iscomplexobj(values):
+            if (values.imag != 0.0).any():
+                raise self._refused(key, wanted, "its numbers are complex", "read it as a response")
+            values = values.real
+        bad = np.flatnonzero(~np.isfinite(values))
+        if len(bad):
+            raise InputError(
+                Fault(
+                    f"{self.source}: {column}",
+                    f"row {bad[0] + 1} of the numbers",
+                    "there is no number",
+                    f"leave out the {len(bad)} row(s) without one",
+                )
+            )
+        found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
+        return found
+
+    def _refused(self, key: str, found: object, why: str, instead: str) -> InputError:
+        return InputError(Fault(f"{self.source}: {key}", show(found), why, instead))
+
+
+def si_factor(source: str, column: str, written: str, unit: str) -> float:
+    """Return the SI value of a unit of the kind of an SI unit.
+
+    Raises:
+        InputError: it is no unit, or one of another kind.
+    """
+    plain = _PLAIN.get(written.strip(), written.strip())
+    plain = _SPELT.get(plain, plain)
+    if unit == "m/s^2" and plain == "g":
+        return GRAVITY
+    if unit == "1":
+        if plain in ("1", "%", "ustrain", "mm/m"):
+            return {"1": 1.0, "%": 1e-2, "ustrain": 1e-6, "mm/m": 1e-3}[plain]
+        raise InputError(
+            Fault(
+                f"{source}: {column}",
+                show(written),
+                "this quantity is a plain number",
+                "use 1, %, mm/m or ustrain",
+            )
+        )
+    try:
+        return si_value(f"1 {plain}", unit, column)
+    except RefusedError as error:
+        raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
+
+
+def si_size(source: str, column: str, written: str) -> float:
+    """Return the SI value of a unit of any kind.
+
+    Raises:
+        InputError: it is no unit.
+    """
+    if written.strip() in ("1", "-", ""):
+        return 1.0
+    try:
+        return si_of(re.sub(r"/([^/()]+)/([^/()]+)$", r"/(\1 \2)", written.replace("²", "^2")))
+    except RefusedError as error:
+        raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
+
+
+def name_and_unit(cell: str) -> tuple[str, str | None]:
+    """Return the name and the unit of a heading: "t [s]", "t (s)", "t / s", "x in mm", "tip_x_m", "time, s"."""
+    text = cell.strip().lstrip("#%").strip()
+    if len(text) > 1 and text[0] == text[-1] == '"':
+        text = text[1:-1]
+    found = _BRACKETS.match(text)
+    if found:
+        unit = next(part for part in (found["a"], found["b"], found["c"], found["d"]) if part is not None)
+        if found["c"] is None or _is_unit(unit):
+            return found["name"].strip(), _PLAIN.get(unit.strip(), unit.strip()) or None
+    for mark in (",", "_", " "):
+        name, _, unit = text.rpartition(mark)
+        if name and _is_unit(unit.strip()):
+            return name.strip(), unit.strip()
+    two = re.fullmatch(r"(.+?)[_ ](mm?|cm|[km]?N|um|µm)_(s2?)", text)
+    if two:
+        return two[1], f"{two[2]}/{two[3].replace('s2', 's^2')}"
+    return text, None
+
+
+_ENDINGS = (
+    *(
+        "s",
+        "ms",
+        "us",
+        "µs",
+        "min",
+        "h",
+        "m",
+        "mm",
+        "cm",
+        "um",
+        "µm",
+        "in",
+        "N",
+        "mN",
+        "kN",
+        "Hz",
+        "kHz",
+        "N m",
+    ),
+    *(
+        "Pa",
+        "kPa",
+        "MPa",
+        "GPa",
+        "m/s",
+        "mm/s",
+        "m/s^2",
+        "m/s2",
+        "mm/s^2",
+        "g",
+        "rad",
+        "deg",
+        "rad/s",
+        "%",
+        "ustrain",
+    ),
+)
+"""Units that are known after a name without brackets."""
+
+
+def _is_unit(text: str) -> bool:
+    return text in _ENDINGS
+
+
+def stacked(
+    source: str, names: Sequence[str], columns: Sequence[np.ndarray], units: Sequence[str | None]
+) -> Columns:
+    """Return columns of equal length as a table.
+
+    Raises:
+        InputError: the lengths differ.
+    """
+    lengths = {len(column) for column in columns}
+    if len(lengths) != 1:
+        raise InputError(f"{source}: its columns have different lengths, {sorted(lengths)}")
+    return Columns(source, tuple(names), tuple(units), np.column_stack(columns))

@@ -1,0 +1,284 @@
+"""Damped sines through samples: poles to start from by the matrix pencil, then least squares with intervals.
+
+    y(t) = sum_k Re(A_k exp(s_k t)) + r(t),        s_k = -sigma_k + i omega_k
+
+The matrix pencil (Hua and Sarkar, IEEE Trans. ASSP 38, 1990) gives poles without iteration; least squares with the
+linear coefficients eliminated (Golub and Pereyra 1973, derivatives of Kaufman 1975) makes them the likeliest under
+white noise, whose covariance attains the bound of Cramer and Rao. Where the residual is correlated, the covariance is
+that of least squares under such noise, with the autocovariances of the residual (Newey and West 1987).
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import qr, solve_triangular
+from scipy.optimize import least_squares
+from scipy.stats import chi2
+
+from viscorod.typing import Floats
+
+__all__ = ["SineFit", "fit_sines", "pencil_poles", "residual_peak", "white"]
+
+MOST_SAMPLES = 3000
+"""Samples that the matrix pencil sees."""
+PENCIL = 150
+"""Columns of its Hankel matrix at most."""
+LAGS = 20
+"""Lags of the test for correlated residuals."""
+LEVEL = 1e-3
+"""Probability with which white noise is called correlated."""
+
+
+@dataclass(frozen=True, eq=False)
+class SineFit:
+    """Damped sines fitted to samples.
+
+    Attributes:
+        poles: s_k, 1/s (k,), Im > 0.
+        amplitudes: complex A_k at the first time (k,).
+        rest: what it swings about, at the samples (n,).
+        times: of the samples, from the first on (n,), s.
+        model: at the samples (n,); residual: samples less model (n,).
+        covariance: of sigma_1, omega_1, sigma_2, ... (2 k, 2 k).
+        freedom: samples less fitted numbers.
+        noise: standard deviation of the residual.
+        is_white: whether the residual is not correlated.
+        resting: "constant", "sloping" or "relaxing".
+    """
+
+    poles: np.ndarray
+    amplitudes: np.ndarray
+    rest: Floats
+    times: Floats
+    model: Floats
+    residual: Floats
+    covariance: Floats
+    freedom: int
+    noise: float
+    is_white: bool
+    resting: str
+
+    @property
+    def information(self) -> float:
+        """Bayes' criterion: n ln(mean square residual) + numbers ln n."""
+        count = len(self.times)
+        used = count - self.freedom
+        return float(count * np.log(max(float(np.mean(self.residual**2)), 1e-300)) + used * np.log(count))
+
+    def mode(self, k: int) -> Floats:
+        """Return one damped sine at the samples (n,)."""
+        found: Floats = np.real(self.amplitudes[k] * np.exp(self.poles[k] * self.times))
+        return found
+
+    def ratios(self) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return natural frequencies [Hz], damping ratios, and standard deviations of both, (k,) each."""
+        size = np.abs(self.poles)
+        sigma, omega = -self.poles.real, self.poles.imag
+        deviations = []
+        for gradient in (
+            np.column_stack([sigma / size, omega / size]) / (2.0 * np.pi),
+            np.column_stack([omega**2, -sigma * omega]) / size[:, None] ** 3,
+        ):
+            square = [
+                g @ self.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] @ g for k, g in enumerate(gradient)
+            ]
+            deviations.append(np.sqrt(np.maximum(square, 0.0)))
+        return size / (2.0 * np.pi), sigma / size, deviations[0], deviations[1]
+
+
+def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "constant") -> SineFit | None:
+    """Fit damped sines and a rest; None where the fit does not settle on poles that swing.
+
+    Args:
+        times: s (n,), increasing; values: (n,).
+        poles: to start from, 1/s (k,), Im > 0.
+        rest: "constant", "sloping" (a straight line) or "relaxing" (a constant and a decaying exponential).
+    """
+    t = times - times[0]
+    waves = _Waves(t, len(poles), rest)
+    if len(t) <= waves.numbers:
+        return None
+    scale = float(np.std(values)) or 1.0
+
+    def solved(theta: Floats) -> tuple[Floats, Floats, Floats]:
+        full = waves.basis(theta)
+        coefficients = np.asarray(np.linalg.lstsq(full, values, rcond=None)[0], dtype=float)
+        return full, coefficients, full @ coefficients - values
+
+    def jacobian(theta: Floats) -> Floats:
+        full, coefficients, _ = solved(theta)
+        q = np.linalg.qr(full)[0]
+        slope = waves.slopes(theta, full, coefficients)
+        found: Floats = (slope - q @ (q.T @ slope)) / scale
+        return found
+
+    with np.errstate(over="raise", invalid="raise"):
+        try:
+            starts = waves.starts(poles)
+            misfits = [float(np.sum(solved(theta)[2] ** 2)) for theta in starts]
+            start = starts[int(np.argmin(misfits))]
+            best = least_squares(
+                lambda theta: solved(theta)[2] / scale,
+                start,
+                jac=jacobian,
+                method="lm",
+                xtol=1e-12,
+                ftol=1e-14,
+                max_nfev=60 * (1 + len(poles)),
+            )
+            theta = best.x
+            if not (theta[1 : 2 * len(poles) : 2] > 0.1).all() or waves.rest_is_fast(theta):
+                return None
+            full, coefficients, misfit = solved(theta)
+            return _with_covariance(waves, theta, full, coefficients, -misfit)
+        except (FloatingPointError, np.linalg.LinAlgError, ValueError):
+            return None
+
+
+class _Waves:
+    """Columns that damped sines and a rest are made of; times and numbers are over the span of the samples."""
+
+    def __init__(self, t: Floats, count: int, rest: str) -> None:
+        self.t, self.count, self.rest = t, count, rest
+        self.span = float(t[-1])
+        self.part = t / self.span
+        self.resting = 1 if rest == "constant" else 2
+        self.numbers = self.resting + 4 * count + (1 if rest == "relaxing" else 0)
+
+    def starts(self, poles: np.ndarray) -> list[Floats]:
+        theta = np.column_stack([-poles.real, poles.imag]).ravel() * self.span
+        if self.rest != "relaxing":
+            return [theta]
+        return [np.append(theta, np.log(rate)) for rate in (1.0, 3.0, 10.0, 30.0)]
+
+    def rest_is_fast(self, theta: Floats) -> bool:
+        """Return whether the rest relaxes within a period: that is no creep, but what the sines leave over."""
+        return self.rest == "relaxing" and bool(
+            theta[-1] > np.log(theta[1 : 2 * self.count : 2].min() / (2.0 * np.pi))
+        )
+
+    def basis(self, theta: Floats) -> Floats:
+        shapes = {"constant": (), "sloping": (self.part,)}.get(
+            self.rest, (np.exp(-self.part * np.exp(theta[-1])),)
+        )
+        pairs = [np.exp(self.part * complex(-theta[2 * k], theta[2 * k + 1])) for k in range(self.count)]
+        columns = [np.ones_like(self.part), *shapes]
+        for wave in pairs:
+            columns += [wave.real, wave.imag]
+        return np.column_stack(columns)
+
+    def slopes(self, theta: Floats, full: Floats, coefficients: Floats) -> Floats:
+        """Return the derivatives of the sum by the numbers that are not linear."""
+        found = np.empty((len(self.t), len(theta)))
+        for k in range(self.count):
+            at = self.resting + 2 * k
+            cosine, sine, (a, b) = full[:, at], full[:, at + 1], coefficients[at : at + 2]
+            found[:, 2 * k] = -self.part * (a * cosine + b * sine)
+            found[:, 2 * k + 1] = self.part * (b * cosine - a * sine)
+        if self.rest == "relaxing":
+            found[:, -1] = -self.part * np.exp(theta[-1]) * full[:, 1] * coefficients[1]
+        return found
+
+
+def _with_covariance(
+    waves: _Waves, theta: Floats, full: Floats, coefficients: Floats, residual: Floats
+) -> SineFit | None:
+    every = np.concatenate([full, waves.slopes(theta, full, coefficients)], axis=1)
+    freedom = len(residual) - every.shape[1]
+    size = np.linalg.norm(every, axis=0)
+    if not (size > 0.0).all():
+        return None
+    q, r = qr(every / size, mode="economic")
+    if np.abs(np.diag(r)).min() < 1e-13 * np.abs(np.diag(r)).max():
+        return None
+    inverse = solve_triangular(r, np.eye(len(r))) / size[:, None]
+    noise = float(np.sqrt(residual @ residual / freedom))
+    is_white = white(residual)
+    covariance = noise**2 * inverse @ inverse.T if is_white else _correlated(inverse, q, residual, freedom)
+    tail = slice(full.shape[1], full.shape[1] + 2 * waves.count)
+    first = waves.resting
+    return SineFit(
+        poles=(-theta[0 : 2 * waves.count : 2] + 1j * theta[1 : 2 * waves.count : 2]) / waves.span,
+        amplitudes=coefficients[first::2] - 1j * coefficients[first + 1 :: 2],
+        rest=full[:, :first] @ coefficients[:first],
+        times=waves.t,
+        model=full @ coefficients,
+        residual=residual,
+        covariance=covariance[tail, tail] / waves.span**2,
+        freedom=freedom,
+        noise=noise,
+        is_white=is_white,
+        resting=waves.rest,
+    )
+
+
+def white(residual: Floats) -> bool:
+    """Return whether residuals are not correlated, by the test of Ljung and Box (1978) over some lags."""
+    count = len(residual)
+    lags = min(LAGS, count // 4)
+    total = float(residual @ residual)
+    if lags < 2 or total == 0.0:
+        return True
+    rho = np.array([residual[k:] @ residual[: count - k] for k in range(1, lags + 1)]) / total
+    statistic = count * (count + 2.0) * float(np.sum(rho**2 / (count - np.arange(1, lags + 1))))
+    return bool(chi2.sf(statistic, lags) > LEVEL)
+
+
+def _correlated(inverse: Floats, q: Floats, residual: Floats, freedom: int) -> Floats:
+    """Return the covariance of least squares under noise with the autocovariances of the residual."""
+    count = len(residual)
+    reach = max(min(int(4.0 * (count / 100.0) ** (2.0 / 9.0)) * 5, count // 4), 1)
+    middle = (q * residual[:, None]).T @ (q * residual[:, None])
+    for lag in range(1, reach + 1):
+        weight = 1.0 - lag / (reach + 1.0)
+        product = (q[lag:] * residual[lag:, None]).T @ (q[:-lag] * residual[:-lag, None])
+        middle = middle + weight * (product + product.T)
+    return np.asarray(count / freedom * (inverse @ middle @ inverse.T))
+
+
+def pencil_poles(times: Floats, values: Floats, count: int) -> np.ndarray:
+    """Return poles that swing, the largest first (up to `count`,), 1/s, of evenly spaced samples (matrix pencil).
+
+    The rest is one of the poles that do not swing, and takes part.
+    """
+    every = max(-(-len(values) // MOST_SAMPLES), 1)
+    usable = len(values) // every * every
+    y = values[:usable].reshape(-1, every).mean(axis=1)
+    step = float(times[-1] - times[0]) / (len(times) - 1) * every
+    columns = min(len(y) // 3, PENCIL)
+    if columns < 2 * count + 2:
+        return np.empty(0, dtype=complex)
+    hankel = np.lib.stride_tricks.sliding_window_view(y, columns + 1)
+    _, size, right = np.linalg.svd(hankel - 0.0, full_matrices=False)
+    order = min(2 * count + 1, int(np.count_nonzero(size > 1e-13 * size[0])))
+    subspace = right[:order].T
+    steps = np.linalg.eigvals(np.linalg.lstsq(subspace[:-1], subspace[1:], rcond=None)[0])
+    s: np.ndarray = np.log(steps[np.abs(steps) > 0.0].astype(complex)) / step
+    s = s[s.imag > 1e-6 / step]
+    s = s[np.abs(s.real) * step * len(y) < 200.0]
+    if not len(s):
+        return s
+    t = np.arange(len(y)) * step
+    waves = np.exp(np.outer(t, s))
+    amplitude = np.linalg.lstsq(np.column_stack([waves.real, waves.imag, np.ones_like(t)]), y, rcond=None)[0]
+    energy = np.hypot(amplitude[: len(s)], amplitude[len(s) : 2 * len(s)]) * np.linalg.norm(waves, axis=0)
+    return np.asarray(s[np.argsort(-energy)[:count]])
+
+
+def residual_peak(times: Floats, residual: Floats) -> complex:
+    """Return the pole of the highest peak of a residual's spectrum, with the damping that fits it best of a few."""
+    t = times - times[0]
+    span = float(t[-1])
+    even = np.interp(np.linspace(0.0, span, len(t)), t, residual)
+    spectrum = np.abs(np.fft.rfft(even * np.hanning(len(t)), 4 * len(t)))
+    spectrum[:5] = 0.0
+    omega = 2.0 * np.pi * float(np.fft.rfftfreq(4 * len(t), span / (len(t) - 1))[int(np.argmax(spectrum))])
+    gains = []
+    rates = np.array([0.5, 2.0, 6.0, 20.0]) / span
+    for sigma in rates:
+        wave = np.exp((-sigma + 1j * omega) * t)
+        pair = np.linalg.qr(np.column_stack([wave.real, wave.imag]))[0]
+        gains.append(float(np.sum((pair.T @ residual) ** 2)))
+    return complex(-rates[int(np.argmax(gains))], omega)

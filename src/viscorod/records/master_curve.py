@@ -1,0 +1,255 @@
+"""Master curves: moduli measured at several temperatures as one curve over frequency, and the law of its shifts."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from scipy.stats import norm
+
+from viscorod.checks import checked_with
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import RefusedError
+from viscorod.model.materials.dma_table import read_dma_sweeps
+from viscorod.model.materials.sweeps import DmaTable
+from viscorod.records.overlap import DECADE, Overlap, overlapped
+from viscorod.records.shift_laws import LawFit, fit_arrhenius, fit_wlf
+from viscorod.results.master_curve_result import MasterCurve
+from viscorod.typing import Floats
+
+__all__ = ["master_curve"]
+
+FEWEST = 3
+"""Sweeps at least."""
+KNOWN = 0.5
+"""Half-width of the interval of log10 a_T, decades, up to which a sweep takes part in the laws."""
+WANDERS = 1.0
+"""K by which a sample's temperature may change within a sweep without a word."""
+SPIKED = 0.34
+"""Part of the sweeps that have the same frequency off: the instrument's resonance."""
+PER_DECADE = 8
+"""Frequencies of the smooth curve."""
+Sweep = tuple[float, DmaTable]
+
+
+@checked_with(reference=lambda _, value: value)
+def master_curve(
+    files: str | Path | Sequence[str | Path] | Sequence[Sweep],
+    *,
+    reference: float | None = None,
+    vertical: bool | None = None,
+    band: tuple[float, float] | None = None,
+    law_range: tuple[float, float] | None = None,
+    frequency_unit: str | None = None,
+    modulus_unit: str | None = None,
+    title: str = "",
+) -> MasterCurve:
+    """Lay sweeps at several temperatures over each other: one curve, shift factors with intervals, WLF and Arrhenius.
+
+    Storage and loss modulus of the sweep at T are b_T E(a_T omega), with the curve E of the reference temperature.
+    Curve and shifts are fitted together (`viscorod.records.overlap`). Temperatures are those of the sample where a
+    file has them.
+
+    Args:
+        files: a file with sweeps at several temperatures, several files, or pairs of temperature, degrees C, and
+            `DmaTable`.
+        reference: temperature of the curve, degrees C, the nearest sweep is taken; left out, that with the largest
+            loss factor.
+        vertical: whether moduli are shifted too; left out, if Bayes' criterion says so.
+        band: frequencies that count, Hz: those near the instrument's resonance do not.
+        law_range: temperatures from which the laws are fitted, degrees C; left out, all whose shift is known to 0.5
+            decades.
+        frequency_unit, modulus_unit: where the files do not say.
+        title: of the result.
+
+    Raises:
+        InputError: a file cannot be read, or fewer than three sweeps are there.
+    """
+    sweeps, notes = _sweeps(files, frequency_unit, modulus_unit)
+    if band is not None:
+        sweeps = [(celsius, _within(table, *band)) for celsius, table in sweeps]
+    sweeps = [one for one in sweeps if len(one[1].omega) > 2]
+    if len(sweeps) < FEWEST:
+        raise InputError(
+            Fault("files", f"{len(sweeps)} sweeps", "a master curve needs three sweeps of three frequencies or more",
+                  "give sweeps at more temperatures")
+        )  # fmt: skip
+    celsius = np.array([one[0] for one in sweeps])
+    tables = [one[1] for one in sweeps]
+    first = _reference(celsius, tables, reference)
+    fits = [
+        overlapped(tables, celsius, first, lifted)
+        for lifted in ((False, True) if vertical is None else (vertical,))
+    ]
+    fit = min(fits, key=lambda one: one.information)
+    lifted = fit is fits[-1] and vertical is not False
+    decades, covariance = fit.log_a / DECADE, fit.covariance[: len(celsius), : len(celsius)] / DECADE**2
+    width = float(norm.ppf(0.975)) * np.sqrt(np.diag(covariance))
+    used = width <= KNOWN
+    if law_range is not None:
+        used = (celsius >= law_range[0]) & (celsius <= law_range[1])
+    block = covariance[np.ix_(used, used)]
+    laws = {
+        "wlf": fit_wlf(celsius[used], decades[used], block, float(celsius[first])),
+        "arrhenius": fit_arrhenius(celsius[used], decades[used], block, float(celsius[first])),
+    }
+    doubts = [*notes, *_doubts(celsius, tables, fit, width, used)]
+    return _result(celsius, tables, first, fit, width, laws, used, lifted, doubts, title)
+
+
+def _sweeps(
+    files: Any, frequency_unit: str | None, modulus_unit: str | None
+) -> tuple[list[Sweep], list[str]]:
+    """Return all sweeps by temperature, and what is to be said of how they were measured."""
+    listed = [files] if isinstance(files, str | Path) else list(files)
+    found: list[Sweep] = []
+    notes = []
+    for item in listed:
+        if isinstance(item, str | Path):
+            try:
+                read = read_dma_sweeps(item, frequency_unit=frequency_unit, modulus_unit=modulus_unit)
+            except RefusedError as error:
+                raise InputError(Fault(str(item), error.found or "", error.why, error.instead)) from None
+            for celsius, wander, table in read:
+                found.append((celsius, table))
+                if wander > WANDERS:
+                    notes.append(
+                        f"the sample's temperature goes {wander:.2g} K away from its mean of {celsius:.4g} C within a "
+                        "sweep"
+                    )
+        else:
+            celsius, table = item
+            found.append((float(celsius), table))
+    found.sort(key=lambda one: one[0])
+    if len(notes) > 3:
+        notes = [
+            f"in {len(notes)} sweeps {notes[0]} (and so on): they are no isotherms",
+        ]
+    same = [a for (a, _), (b, _) in pairwise(found) if b - a < 0.5]
+    if same:
+        raise InputError(
+            Fault(
+                "files",
+                f"{same[0]:.4g} C",
+                "two sweeps have the same temperature",
+                "give each temperature once",
+            )
+        )
+    return found, notes
+
+
+def _within(table: DmaTable, low: float, high: float) -> DmaTable:
+    hertz = table.omega / (2.0 * np.pi)
+    inside = (hertz >= low * (1.0 - 1e-9)) & (hertz <= high * (1.0 + 1e-9))
+    return replace(
+        table, omega=table.omega[inside], storage=table.storage[inside], loss=table.loss[inside], notes=()
+    )
+
+
+def _reference(celsius: Floats, tables: list[DmaTable], wanted: float | None) -> int:
+    if wanted is None:
+        return int(np.argmax([float(np.mean(one.loss / one.storage)) for one in tables]))
+    nearest = int(np.argmin(np.abs(celsius - wanted)))
+    if not celsius[0] - 2.0 <= wanted <= celsius[-1] + 2.0:
+        raise InputError(
+            Fault(
+                "reference",
+                f"{wanted:g}",
+                "no sweep is near it",
+                f"give {celsius[0]:.4g} to {celsius[-1]:.4g} C",
+            )
+        )
+    return nearest
+
+
+def _doubts(
+    celsius: Floats, tables: list[DmaTable], fit: Overlap, width: Floats, used: np.ndarray
+) -> list[str]:
+    found = []
+    apart = celsius[~fit.bridged]
+    if len(apart):
+        found.append(
+            f"the moduli at {', '.join(f'{one:.4g}' for one in apart)} C have no level in common with a neighbour: "
+            "their shift is that of a steady curve"
+        )
+    wide = celsius[width > KNOWN]
+    if len(wide):
+        found.append(
+            f"the shift at {', '.join(f'{one:.4g}' for one in wide)} C is not known to {KNOWN:g} decades: the moduli "
+            "hardly change with frequency there"
+        )
+    spikes: dict[str, int] = {}
+    for table in tables:
+        for note in table.notes:
+            if " Hz is " in note:
+                word = note.split(" Hz is ")[0]
+                spikes[word] = spikes.get(word, 0) + 1
+    found += [
+        f"{word} Hz is off what its neighbours lead to expect in {times} of {len(tables)} sweeps: that is the "
+        "instrument, and band leaves it out"
+        for word, times in spikes.items()
+        if times > SPIKED * len(tables)
+    ]
+    if not used.all() and used.any():
+        found.append(f"the laws are fitted from {celsius[used].min():.4g} to {celsius[used].max():.4g} C")
+    return found
+
+
+def _result(
+    celsius: Floats, tables: list[DmaTable], first: int, fit: Overlap, width: Floats, laws: dict[str, LawFit | None],
+    used: np.ndarray, lifted: bool, doubts: list[str], title: str,
+) -> MasterCurve:  # fmt: skip
+    import xarray as xr
+
+    count = len(celsius)
+    sweep = np.repeat(np.arange(count), [len(one.omega) for one in tables])
+    log_omega = np.log(np.concatenate([one.omega for one in tables])) + fit.log_a[sweep]
+    lift = np.exp(fit.log_b)
+    storage, loss = (
+        np.concatenate([getattr(one, name) for one in tables]) / lift[sweep] for name in ("storage", "loss")
+    )
+    ends = float(log_omega.min()), float(log_omega.max())
+    smooth = np.linspace(*ends, max(int((ends[1] - ends[0]) / DECADE * PER_DECADE), 10))
+    curve = fit.at(smooth)
+    kept = {
+        name: None if law is None else {"values": law.values, "low": law.low, "high": law.high, "off": law.off,
+                                        "information": law.information}
+        for name, law in laws.items()
+    }  # fmt: skip
+    strains = {one.strain for one in tables} - {None}
+    quantile = float(norm.ppf(0.975))
+    return MasterCurve(
+        xr.Dataset(
+            {
+                "temperature": ("sweep", celsius),
+                "log_shift": ("sweep", fit.log_a / DECADE),
+                "log_shift_width": ("sweep", width),
+                "lift": ("sweep", lift),
+                "lift_width": ("sweep", quantile * lift * np.sqrt(np.diag(fit.covariance)[count:])),
+                "in_laws": ("sweep", used.astype(np.int64)),
+                "frequency": ("point", np.exp(log_omega) / (2.0 * np.pi)),
+                "storage": ("point", storage),
+                "loss": ("point", loss),
+                "point_sweep": ("point", sweep.astype(np.int64)),
+                "curve_frequency": ("curve", np.exp(smooth) / (2.0 * np.pi)),
+                "curve_storage": ("curve", curve[0]),
+                "curve_loss": ("curve", curve[1]),
+            },
+            attrs={
+                "kind": "master_curve",
+                "title": title,
+                "reference": float(celsius[first]),
+                "vertical": int(lifted),
+                "strain": str(next(iter(strains))) if len(strains) == 1 else "",
+                "laws": json.dumps(kept, default=float),
+                "scatter_storage": fit.scatter[0],
+                "scatter_loss": fit.scatter[1],
+                "warnings": json.dumps(doubts),
+            },
+        )
+    )

@@ -1,0 +1,328 @@
+"""Records over time: position, displacement, velocity, acceleration, strain or force at a place of a model."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.other_files import columns_of
+from viscorod.records.read_off import BODY_AXES, QUANTITIES, Direction, motion_along
+from viscorod.records.unknown import Unknown
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from typing import Self
+
+__all__ = ["Record"]
+
+QUARTER_TURN = 0.5 * np.pi
+EVEN = 1e-3
+"""Part of the interval by which samples of one rate may be off their place."""
+
+
+class Record(AnyRecord):
+    """A history that was measured: one number at a place of a model, over time.
+
+    Times are those of the measurement; with the unknown "release_time" the motion of the model begins at that time of
+    the record, otherwise both have the same zero. Before the release the model is what it is at its start.
+
+    Args:
+        times: increasing, s (n,).
+        values: SI (n,): m, m/s, m/s^2, 1 or N.
+        place: of the model, "beam.end", "beam@0.15", "plate.corner".
+        quantity: "position", "displacement" (from the reference shape), "velocity", "acceleration", "strain" or
+            "force" (of the section, what the part beyond exerts on the part before).
+        direction: "x", "y", "z" or a vector in global axes; of velocities, accelerations and forces also "d1", "d2",
+            "d3", which turn with the section; of a strain a component such as "bend_2", or "axial" at the `lever`.
+        noise: standard deviation of the noise of a sample, SI, one number or (n,); None where it is not known.
+        lever: where the marker or gauge sits, from the place along d1, d2, d3, m.
+        unknown: words, or `Unknown` with what is believed beforehand: "release_time" (s), "offset", "drift" (of the
+            rest, per s), "gain", "orientation_x", "orientation_y", "orientation_z" (rotation vector of the measuring
+            frame, rad), "marker_1", "marker_2", "marker_3" (to be added to the lever, m); others with the key of a
+            number of the case.
+        name: of the record; by default its place.
+
+    Attributes:
+        place, quantity, direction, lever: as given; times, values: (n,).
+
+    Raises:
+        InputError: numbers, words or shapes are wrong.
+    """
+
+    kind: ClassVar[str] = "motion"
+    analysis: ClassVar[str] = "simulate"
+
+    def __init__(
+        self,
+        times: Any,
+        values: Any,
+        *,
+        place: str,
+        quantity: str,
+        direction: Direction,
+        noise: Any = None,
+        lever: Sequence[float] = (0.0, 0.0, 0.0),
+        unknown: Sequence[str | Unknown] = (),
+        name: str | None = None,
+    ) -> None:
+        if not isinstance(place, str) or not place:
+            raise InputError(
+                Fault("place", repr(place), "no place of a model", "give one such as 'beam.end'")
+            )
+        where = f"record {name or place}"
+        self.times = increasing(f"{where}: times", times)
+        self.values = finite(f"{where}: values", values)
+        if len(self.values) != len(self.times):
+            raise InputError(
+                Fault(
+                    where, f"{len(self.values)} values", f"there are {len(self.times)} times", "give as many"
+                )
+            )
+        if len(self.times) < 2:
+            raise InputError(Fault(where, "1 sample", "a history has several", "give two samples or more"))
+        if quantity not in QUANTITIES:
+            raise InputError(
+                Fault(
+                    f"{where}: quantity",
+                    repr(quantity),
+                    "it is not known",
+                    f"use one of {', '.join(QUANTITIES)}",
+                )
+            )
+        self.place, self.quantity = place, quantity
+        self.lever = finite(f"{where}: lever", lever)
+        if self.lever.shape != (3,):
+            raise InputError(
+                Fault(f"{where}: lever", "", "three numbers are needed", "give (0.0, 0.0, 0.01)")
+            )
+        self.direction = QUANTITIES[quantity].direction(f"{where}: direction", direction)
+        self.observed = self.values
+        self.noise = deviations(f"{where}: noise", noise, self.values.shape)
+        span = float(self.times[-1] - self.times[0])
+        reach = float(np.ptp(self.values)) or float(np.abs(self.values).max()) or 1.0
+        first = float(self.times[0])
+        known = {
+            "release_time": (first, first - 0.5 * span, first + 0.5 * span),
+            "offset": (
+                0.0,
+                -1e3 * reach - float(np.abs(self.values).max()),
+                1e3 * reach + float(np.abs(self.values).max()),
+            ),
+            "drift": (0.0, -10.0 * reach / span, 10.0 * reach / span),
+            "gain": (1.0, 0.1, 10.0),
+        }
+        if not isinstance(self.direction, str) or self.direction in BODY_AXES:
+            known |= {f"orientation_{axis}": (0.0, -QUARTER_TURN, QUARTER_TURN) for axis in "xyz"}
+        if quantity != "force":
+            known |= {f"marker_{k}": (0.0, -np.inf, np.inf) for k in (1, 2, 3)}
+        self._named(name or place, unknown, known)
+
+    @classmethod
+    def read(
+        cls,
+        source: Any,
+        value: str | int,
+        *,
+        quantity: str,
+        time: str | int = 1,
+        unit: str | None = None,
+        time_unit: str | None = None,
+        **more: Any,
+    ) -> Record:
+        """Return a record from a column of a file, or of an object of xarray or pandas.
+
+        Text files are read as tables of moduli are: names with units ("t [s]", "x (mm)", "tip_x_m", or units in the
+        line below), any encoding, tabs, semicolons, commas or blanks, decimal commas. The extra ``viscorod[records]``
+        reads UFF (functions named by node and direction, "3:+z") and C3D ("marker x"). MATLAB files go to version 7.2.
+
+        Args:
+            source: path, ``DataArray``, ``Dataset``, ``DataFrame`` or ``Series``.
+            value, time: columns by name, without unit, or number from 1.
+            quantity: see `Record`; with it the unit of the values is checked.
+            unit, time_unit: where the source does not say.
+            more: all else that a `Record` has: place, direction, noise (SI), unknown, ...
+
+        Raises:
+            InputError: it cannot be read, a column is missing, a unit is missing or of another kind.
+        """
+        columns = columns_of(source)
+        if quantity not in QUANTITIES:
+            raise InputError(
+                Fault("quantity", repr(quantity), "it is not known", f"use one of {', '.join(QUANTITIES)}")
+            )
+        chosen = QUANTITIES[quantity]
+        si = (
+            chosen.unit(chosen.direction("direction", more["direction"]))
+            if "direction" in more
+            else chosen.units[0]
+        )
+        return cls(
+            columns.si("time", time, "s", time_unit),
+            columns.si("value", value, si, unit),
+            quantity=quantity,
+            **more,
+        )
+
+    @property
+    def unit(self) -> str:
+        """SI unit of the values."""
+        return QUANTITIES[self.quantity].unit(self.direction)
+
+    @property
+    def interval(self) -> float | None:
+        """Time between samples, s; None where they are not evenly spaced."""
+        steps = np.diff(self.times)
+        mean = float(np.mean(steps))
+        off = np.abs(self.times - (self.times[0] + mean * np.arange(len(self.times))))
+        return mean if float(off.max()) <= EVEN * mean else None
+
+    def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
+        """Return what a run says that should have been measured at the samples (n,); see `AnyRecord`.
+
+        gain (direction . quantity(t - release_time)) + offset + drift (t - first time), with the direction turned by
+        the orientation, and the place moved by lever and marker.
+        """
+        self._needs(result, "simulate")
+        values = self.values_of(nuisances)
+        raw = self.read_off(result, values)
+        return self.measured(raw, values)
+
+    def read_off(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
+        """Return the model's quantity along the direction at the samples (n,), before gain and offset."""
+        values = self.values_of(nuisances)
+        times = self.times - self.nuisance("release_time", values)
+        turn = np.array([self.nuisance(f"orientation_{axis}", values) for axis in "xyz"])
+        marker = np.array([self.nuisance(f"marker_{k}", values) for k in (1, 2, 3)])
+        return motion_along(result, self, times, self.lever + marker, turn)
+
+    def measured(
+        self, raw: Floats, nuisances: Mapping[str, float] | None = None, *, change: bool = False
+    ) -> Floats:
+        """Return what an instrument shows of the model's quantity (..., n): gain, offset and drift.
+
+        Args:
+            raw: of `read_off`, or its derivative by a number of the case.
+            nuisances: values of the unknowns.
+            change: whether `raw` is a derivative, to which offset and drift do not belong.
+        """
+        values = self.values_of(nuisances)
+        shown = self.nuisance("gain", values, 1.0) * np.asarray(raw)
+        if change:
+            return shown
+        found: Floats = (
+            shown
+            + self.nuisance("offset", values)
+            + self.nuisance("drift", values) * (self.times - self.times[0])
+        )
+        return found
+
+    def window(self, start: float, end: float) -> Self:
+        """Return the samples between two times, s.
+
+        Raises:
+            InputError: fewer than two samples are there.
+        """
+        inside = (self.times >= start) & (self.times <= end)
+        if np.count_nonzero(inside) < 2:
+            raise InputError(
+                Fault(
+                    f"record {self.name}: window",
+                    f"{start:g} to {end:g} s",
+                    "fewer than two samples are there",
+                    f"the record goes from {self.times[0]:g} to {self.times[-1]:g} s",
+                )
+            )
+        return self._with(
+            self.times[inside], self.values[inside], None if self.noise is None else self.noise[inside]
+        )
+
+    def decimated(self, factor: int) -> Self:
+        """Return every k-th sample, after a filter against aliasing without phase.
+
+        It is that of ``scipy.signal.decimate``, of finite length, a Hamming window of order 20 k: half the size is left
+        at the new half rate. The noise of the record becomes smaller accordingly.
+
+        Raises:
+            InputError: the samples are not evenly spaced, or too few for the factor.
+        """
+        if not isinstance(factor, int) or isinstance(factor, bool) or factor < 1:
+            raise InputError(
+                Fault(f"record {self.name}: factor", repr(factor), "no factor", "give 2, 3, ...")
+            )
+        if factor == 1:
+            return self
+        if self.interval is None:
+            raise InputError(
+                f"record {self.name}: its samples are not evenly spaced; they cannot be decimated"
+            )
+        if len(self.values) < 20 * factor:
+            raise InputError(
+                Fault(
+                    f"record {self.name}: factor",
+                    str(factor),
+                    f"{len(self.values)} samples are too few",
+                    f"give {max(len(self.values) // 20, 1)} at most",
+                )
+            )
+        from scipy.signal import decimate, firwin
+
+        values = decimate(self.values, factor, ftype="fir", zero_phase=True)
+        noise = self.noise
+        if noise is not None:
+            taps = firwin(20 * factor + 1, 1.0 / factor, window="hamming")
+            noise = noise[::factor] * float(np.sqrt(np.sum(taps**2)))
+        return self._with(self.times[::factor], values, noise)
+
+    def with_noise_of(self, start: float, end: float) -> Self:
+        """Return the record with the noise that a stretch at rest has, s: the deviation from a straight line there."""
+        still = self.window(start, end)
+        if len(still.values) < 10:
+            raise InputError(
+                Fault(
+                    f"record {self.name}: noise",
+                    f"{len(still.values)} samples",
+                    "too few",
+                    "give 10 or more at rest",
+                )
+            )
+        line = np.polyfit(still.times - still.times[0], still.values, 1)
+        rest = still.values - np.polyval(line, still.times - still.times[0])
+        size = float(np.sqrt(np.sum(rest**2) / (len(rest) - 2)))
+        if size == 0.0:
+            raise InputError(
+                f"record {self.name}: nothing moves between {start:g} and {end:g} s, not even noise"
+            )
+        return self._with(self.times, self.values, np.full(len(self.values), size))
+
+    def _with(self, times: Floats, values: Floats, noise: Floats | None) -> Self:
+        return type(self)(
+            times,
+            values,
+            place=self.place,
+            quantity=self.quantity,
+            direction=self.direction,
+            noise=noise,
+            lever=self.lever.tolist(),
+            unknown=list(self.nuisances.values()),
+            name=self.name,
+        )
+
+    def __str__(self) -> str:
+        along = (
+            self.direction
+            if isinstance(self.direction, str)
+            else np.array2string(self.direction, precision=4)
+        )
+        rate = self.interval
+        sampled = "unevenly" if rate is None else f"at {1.0 / rate:.6g} Hz"
+        noise = "not known" if self.noise is None else f"{float(np.median(self.noise)):.3g} {self.unit}"
+        unknown = ", ".join(one.name for one in self.nuisances.values()) or "nothing"
+        return (
+            f"Record {self.name}: {self.quantity} of {self.place} along {along} [{self.unit}], "
+            f"{len(self.times)} samples {sampled} from {self.times[0]:.6g} to {self.times[-1]:.6g} s; "
+            f"noise {noise}; unknown: {unknown}"
+        )

@@ -1,0 +1,222 @@
+"""Columns from UFF, C3D and MATLAB files, and from objects of xarray and pandas; each by the library made for it."""
+
+from __future__ import annotations
+
+from importlib import import_module
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.records.columns import Columns, name_and_unit, stacked
+from viscorod.records.text_file import columns_of_text
+
+__all__ = ["columns_of"]
+
+UFF_QUANTITIES = {8: "m", 9: "N", 11: "m/s", 12: "m/s^2", 13: "N", 2: "1"}
+"""SI units by the type of data of a UFF data set 58 (its files are in SI unless data set 164 says otherwise)."""
+
+
+def columns_of(source: Any) -> Columns:
+    """Return the columns of a file, by its suffix, or of an object of xarray or pandas.
+
+    Raises:
+        InputError: it cannot be read, or the package that reads it is not there.
+    """
+    if isinstance(source, Columns):
+        return source
+    if hasattr(source, "dims") and hasattr(source, "coords"):
+        return _of_xarray(source)
+    if hasattr(source, "columns") and hasattr(source, "to_numpy"):
+        return _of_frame(source)
+    if hasattr(source, "index") and hasattr(source, "to_numpy"):
+        return _of_frame(source.to_frame())
+    if not isinstance(source, str | Path):
+        raise InputError(
+            Fault("source", type(source).__name__, "no record can be read from it",
+                  "give a path, or a DataArray, DataFrame or Series")
+        )  # fmt: skip
+    path = Path(source)
+    readers = {".uff": _of_uff, ".unv": _of_uff, ".c3d": _of_c3d, ".mat": _of_matlab}
+    reader = readers.get(path.suffix.lower(), columns_of_text)
+    if reader is not columns_of_text and not path.is_file():
+        raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
+    return reader(path)
+
+
+def _library(name: str, path: Path) -> Any:
+    try:
+        return import_module(name)
+    except ImportError:
+        raise InputError(
+            Fault(
+                str(path),
+                path.suffix,
+                f"it is read by the package {name}",
+                "install it: pip install viscorod[records]",
+            )
+        ) from None
+
+
+def _of_xarray(source: Any) -> Columns:
+    """Return a DataArray of one dimension, or the variables of a Dataset along one."""
+    arrays = (
+        {str(source.name or "value"): source}
+        if hasattr(source, "name")
+        else {str(k): v for k, v in source.items()}
+    )
+    dims = {dim for array in arrays.values() for dim in array.dims}
+    if len(dims) != 1:
+        raise InputError(
+            Fault(
+                "source",
+                f"dimensions {', '.join(map(str, sorted(dims)))}",
+                "a record has one",
+                "choose by .sel or .isel",
+            )
+        )
+    (dim,) = dims
+    if dim not in source.coords:
+        raise InputError(
+            Fault("source", str(dim), "this dimension has no coordinate", "give it times or frequencies")
+        )
+    columns = {str(dim): source[dim], **arrays}
+    units = [array.attrs.get("units") for array in columns.values()]
+    return stacked("xarray", list(columns), [np.asarray(a.values) for a in columns.values()], units)
+
+
+def _of_frame(frame: Any) -> Columns:
+    """Return a DataFrame with units in the names of its columns, or in ``frame.attrs["units"]``; its index is first."""
+    told = dict(frame.attrs.get("units", {}))
+    names, columns, units = [], [], []
+    parts = [(str(frame.index.name or "index"), frame.index.to_numpy())]
+    parts += [(str(name), frame[name].to_numpy()) for name in frame.columns]
+    for label, values in parts:
+        name, unit = name_and_unit(label)
+        try:
+            columns.append(np.asarray(values, dtype=complex if np.iscomplexobj(values) else float))
+        except (TypeError, ValueError):
+            continue  # remarks
+        names.append(name)
+        units.append(told.get(label, told.get(name, unit)))
+    return stacked("pandas", names, columns, units)
+
+
+def _of_uff(path: Path) -> Columns:
+    """Return the functions (data sets 58) of a UFF file over the abscissa that they share."""
+    library = _library("pyuff", path)
+    try:
+        everything = library.UFF(str(path)).read_sets()
+        everything = [everything] if isinstance(everything, dict) else everything
+        sets = [one for one in everything if one.get("type") == 58]
+        length, force = _uff_units(everything)
+    except Exception as error:  # the reader fails in many ways on what is no UFF
+        raise InputError(
+            Fault(str(path), "", f"it cannot be read as UFF ({error})", "check the file")
+        ) from None
+    if not sets:
+        raise InputError(
+            Fault(str(path), "", "it has no functions (data sets 58)", "export time histories or responses")
+        )
+    first = np.asarray(sets[0]["x"], dtype=float)
+    times = int(sets[0].get("func_type", 0)) == 1
+    names, columns = ["time" if times else "frequency"], [first]
+    units: list[str | None] = ["s" if times else "Hz"]
+    for one in sets:
+        if len(one["x"]) != len(first) or not np.allclose(one["x"], first):
+            raise InputError(
+                Fault(
+                    str(path),
+                    str(one.get("id1", "")),
+                    "its functions have different abscissae",
+                    "export them one by one",
+                )
+            )
+        names.append(f"{one.get('rsp_node', 0)}{_axis(one.get('rsp_dir', 0))}" + (
+            "" if times else f"/{one.get('ref_node', 0)}{_axis(one.get('ref_dir', 0))}"
+        ))  # fmt: skip
+        over = UFF_QUANTITIES.get(int(one.get("ordinate_spec_data_type", 0)))
+        under = UFF_QUANTITIES.get(int(one.get("orddenom_spec_data_type", 0)))
+        sizes: dict[str | None, float] = {None: 1.0, "1": 1.0, "N": force}
+        size = sizes.get(over, length) / (1.0 if times else sizes.get(under, length))
+        columns.append(np.asarray(one["data"]) * size)
+        units.append(over if times or over is None else f"{over}/({under})" if under else None)
+    return stacked(str(path), names, columns, units)
+
+
+def _uff_units(sets: list[dict[str, Any]]) -> tuple[float, float]:
+    """Return m and N of the units of a file: data set 164 has their inverses; SI without it."""
+    told = next((one for one in sets if one.get("type") == 164), {})
+    return 1.0 / float(told.get("length") or 1.0), 1.0 / float(told.get("force") or 1.0)
+
+
+def _axis(code: int) -> str:
+    """Return the direction of a UFF node, "+x" of 1, "-z" of -3."""
+    word = {1: "x", 2: "y", 3: "z", 4: "rx", 5: "ry", 6: "rz"}.get(abs(int(code)), "")
+    return f":{'-' if code < 0 else '+'}{word}" if word else ""
+
+
+def _of_c3d(path: Path) -> Columns:
+    """Return the markers of a C3D file, "label x", "label y", "label z" of each, over time from the first frame."""
+    library = _library("ezc3d", path)
+    try:
+        file = library.c3d(str(path))
+        point = file["parameters"]["POINT"]
+        rate = float(point["RATE"]["value"][0])
+        unit = str((point["UNITS"]["value"] or [""])[0]) or None
+        labels = [str(text).strip() for text in point["LABELS"]["value"]]
+        places = np.asarray(file["data"]["points"], dtype=float)[:3]
+    except Exception as error:  # the reader fails in many ways on what is no C3D
+        raise InputError(
+            Fault(str(path), "", f"it cannot be read as C3D ({error})", "check the file")
+        ) from None
+    count = places.shape[2]
+    names, columns, units = ["time"], [np.arange(count) / rate], ["s"]
+    for k in range(places.shape[1]):
+        label = labels[k] if k < len(labels) and labels[k] else f"point {k + 1}"
+        for axis, values in zip("xyz", places[:, k], strict=True):
+            names.append(f"{label} {axis}")
+            columns.append(values)
+            units.append(unit or "")
+    return stacked(str(path), names, columns, [one or None for one in units])
+
+
+def _of_matlab(path: Path) -> Columns:
+    """Return the vectors of a MATLAB file (to version 7.2) that are as long as the most; units are not in it."""
+    from scipy.io import loadmat
+
+    try:
+        content = loadmat(path)
+    except NotImplementedError:
+        raise InputError(
+            Fault(
+                str(path),
+                "version 7.3",
+                "it is an HDF5 file",
+                "save it with '-v7' in MATLAB, or open it with xarray",
+            )
+        ) from None
+    except Exception as error:  # the reader fails in many ways on what is no MATLAB file
+        raise InputError(
+            Fault(str(path), "", f"it cannot be read as MATLAB ({error})", "check the file")
+        ) from None
+    vectors: dict[str, np.ndarray] = {}
+    for name, value in content.items():
+        array = np.asarray(value)
+        if name.startswith("__") or array.dtype.kind not in "fiuc" or array.ndim != 2:
+            continue
+        if 1 in array.shape and array.size > 1:
+            vectors[name] = array.ravel()
+        elif array.size > 1:
+            long = array if array.shape[0] >= array.shape[1] else array.T
+            vectors |= {f"{name}({k + 1})": long[:, k] for k in range(long.shape[1])}
+    if not vectors:
+        raise InputError(
+            Fault(str(path), "", "it has no vectors of numbers", "save times and values as vectors")
+        )
+    lengths = [len(vector) for vector in vectors.values()]
+    usual = max(set(lengths), key=lengths.count)
+    kept = {name: vector for name, vector in vectors.items() if len(vector) == usual}
+    pairs = [name_and_unit(name) for name in kept]
+    return stacked(str(path), [name for name, _ in pairs], list(kept.values()), [unit for _, unit in pairs])

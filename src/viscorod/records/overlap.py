@@ -1,0 +1,290 @@
+"""Sweeps at several temperatures laid over each other: shifts and one smooth curve by robust least squares.
+
+With x = ln omega the logarithms of both moduli of sweep i are f(x + ln a_i) + ln b_i: relaxation times a_i, moduli b_i
+times those of the reference. The two curves f are cubic splines with a weak penalty on their third differences, fitted
+together with all shifts; storage and loss each have their own scatter, and points far off count less (Huber 1964).
+Shifts are expected to change steadily from sweep to sweep (`TURN`, `LIFT`), which decides only where the moduli do not.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.interpolate import BSpline
+from scipy.optimize import least_squares
+
+from viscorod.model.materials.sweeps import DmaTable
+from viscorod.typing import Floats
+
+__all__ = ["Overlap", "overlapped"]
+
+DECADE = float(np.log(10.0))
+KNOTS = 1.0
+"""Per decade of reduced frequency."""
+BEND = 0.3
+"""Third differences of the curves over a decade that are usual; a peak of the loss modulus has 1 at most."""
+TURN = 0.5 * DECADE
+"""Usual change of the slope of ln a from sweep to sweep; by the law of WLF 0.3 decades at most for steps of 7 K."""
+LIFT = 0.02
+"""The same of ln b, which follows density and temperature."""
+FAR = 4.0
+"""Scatters from which on a point is told."""
+HUBER = 2.0
+"""Scatters from which on a point counts less."""
+ROUNDS = 12
+SETTLED = 1e-4
+FINEST = 1e-5
+"""Relative scatter below which points are not weighed higher."""
+
+
+@dataclass(frozen=True, eq=False)
+class Overlap:
+    """Sweeps laid over each other.
+
+    Attributes:
+        log_a, log_b: natural logarithms of the shifts of the sweeps (n,), 0 of the reference.
+        covariance: of log_a, then log_b (2 n, 2 n); zero of what is held.
+        scatter: standard deviations of the logarithms of storage and loss modulus about the curves.
+        knots: of the splines; curves: their coefficients (2, m).
+        bridged: whether each sweep's moduli reach into those of a neighbour (n,).
+        far: number of points that are off by more than four scatters.
+        information: Bayes' criterion, smaller is better.
+    """
+
+    log_a: Floats
+    log_b: Floats
+    covariance: Floats
+    scatter: tuple[float, float]
+    knots: Floats
+    curves: Floats
+    bridged: np.ndarray
+    far: int
+    information: float
+
+    def at(self, log_omega: Floats) -> tuple[Floats, Floats]:
+        """Return storage and loss modulus of the reference at ln of reduced angular frequencies, Pa."""
+        storage, loss = (np.exp(BSpline(self.knots, one, 3)(log_omega)) for one in self.curves)
+        return storage, loss
+
+
+def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vertical: bool) -> Overlap:
+    """Lay sweeps over each other.
+
+    Args:
+        tables: by increasing temperature (n,); celsius: their temperatures (n,).
+        reference: which of them stays where it is.
+        vertical: whether moduli are shifted too.
+    """
+    count = len(tables)
+    sweep = np.repeat(np.arange(count), [len(one.omega) for one in tables])
+    x = np.log(np.concatenate([one.omega for one in tables]))
+    y = np.log(
+        np.maximum(
+            np.stack(
+                [np.concatenate([getattr(one, name) for one in tables]) for name in ("storage", "loss")]
+            ),
+            1e-300,
+        )
+    )
+    known = y > -600.0
+    start, bridged = _neighbours(tables)
+    log_a = start - start[reference]
+    free = np.delete(np.arange(count), reference)
+    layout = _Layout(x, sweep, np.where(known, y, 0.0), _knots(x + log_a[sweep]), free, vertical, celsius)
+    scatter = np.array([0.02, 0.05])
+    weights = known.astype(float)
+    for _ in range(ROUNDS):
+        before = log_a.copy()
+        log_a[free] = layout.settled(log_a, weights / scatter[:, None])
+        solution, residual = layout.solved(log_a, weights / scatter[:, None])
+        for k in (0, 1):
+            scatter[k] = max(1.4826 * float(np.median(np.abs(residual[k][known[k]]))), FINEST)
+        off = np.abs(residual) / scatter[:, None]
+        weights = np.where(known, np.sqrt(np.minimum(1.0, HUBER / np.maximum(off, 1e-12))), 0.0)
+        if np.abs(log_a - before).max() < SETTLED:
+            break
+    weighted = layout.whole(log_a, solution, weights / scatter[:, None])
+    covariance = _covariance(weighted, weights * residual / scatter[:, None], sweep, layout.size, free, count)
+    numbers = weighted.shape[1] - 2 * layout.size + np.ptp(layout.reduced(log_a)) / DECADE * KNOTS
+    information = float(
+        np.sum(np.count_nonzero(known, axis=1) * np.log(scatter**2))
+        + numbers * np.log(np.count_nonzero(known))
+    )
+    log_b = np.zeros(count)
+    if vertical:
+        log_b[free] = solution[2 * layout.size :]
+    return Overlap(
+        log_a=log_a,
+        log_b=log_b,
+        covariance=covariance,
+        scatter=(float(scatter[0]), float(scatter[1])),
+        knots=layout.knots,
+        curves=solution[: 2 * layout.size].reshape(2, -1),
+        bridged=bridged,
+        far=int(np.count_nonzero((off > FAR) & known)),
+        information=information,
+    )
+
+
+def _neighbours(tables: Sequence[DmaTable]) -> tuple[Floats, np.ndarray]:
+    """Return ln a of every sweep from the storage moduli that it shares with the one before, the first being 0."""
+    log_a = np.zeros(len(tables))
+    touching = np.zeros(len(tables) - 1, dtype=bool)
+    for k in range(1, len(tables)):
+        cold, warm = (
+            (
+                np.maximum.accumulate(np.log(one.storage)) + 1e-12 * np.arange(len(one.omega)),
+                np.log(one.omega),
+            )
+            for one in tables[k - 1 : k + 1]
+        )
+        low, high = max(cold[0][0], warm[0][0]), min(cold[0][-1], warm[0][-1])
+        touching[k - 1] = high > low
+        if high > low:
+            level = np.linspace(low, high, 20)
+            step = float(np.mean(np.interp(level, *cold) - np.interp(level, *warm)))
+        else:  # no level in common: the gap at the mean slope of the two
+            slope = np.mean([max((y[-1] - y[0]) / (x[-1] - x[0]), 1e-3) for y, x in (cold, warm)])
+            step = float((cold[1][0] - warm[1][-1]) - (cold[0][0] - warm[0][-1]) / slope)
+        log_a[k] = log_a[k - 1] + step
+    bridged = np.concatenate([[False], touching]) | np.concatenate([touching, [False]])
+    return log_a, bridged
+
+
+def _knots(x: Floats) -> Floats:
+    low, high = float(x.min()) - DECADE, float(x.max()) + DECADE
+    count = max(int(np.ceil((high - low) / DECADE * KNOTS)), 4)
+    step = (high - low) / count
+    return np.asarray(low + step * np.arange(-3.0, count + 4.0))
+
+
+class _Layout:
+    """The linear equations of both curves and of ln b at given ln a: points of storage, of loss, then the penalty."""
+
+    def __init__(
+        self,
+        x: Floats,
+        sweep: np.ndarray,
+        y: Floats,
+        knots: Floats,
+        free: np.ndarray,
+        vertical: bool,
+        celsius: Floats,
+    ) -> None:
+        self.x, self.sweep, self.y, self.knots, self.free = x, sweep, y, knots, free
+        self.size = len(knots) - 4
+        self.indicator = (sweep[:, None] == free).astype(float)
+        self.lifted = self.indicator if vertical else np.zeros((len(x), 0))
+        third = np.diff(np.eye(self.size), 3, axis=0) / BEND
+        none = np.zeros_like(third)
+        bends = _second_differences(celsius)[:, free]
+        self.turns = bends / TURN
+        curves = np.block([[third, none], [none, third]])
+        lifts = np.zeros((0, 0)) if not vertical else bends / LIFT
+        self.penalty = np.block(
+            [
+                [curves, np.zeros((len(curves), lifts.shape[1]))],
+                [np.zeros((len(lifts), curves.shape[1])), lifts],
+            ]
+        )
+        self.right = np.concatenate([y[0], y[1], np.zeros(len(self.penalty))])
+
+    def reduced(self, log_a: Floats) -> Floats:
+        found: Floats = np.clip(self.x + log_a[self.sweep], self.knots[3], self.knots[-4])
+        return found
+
+    def linear(self, log_a: Floats) -> Floats:
+        basis = BSpline.design_matrix(self.reduced(log_a), self.knots, 3).toarray()
+        none = np.zeros_like(basis)
+        return np.vstack(
+            [np.hstack([basis, none, self.lifted]), np.hstack([none, basis, self.lifted]), self.penalty]
+        )
+
+    def slopes(self, log_a: Floats, solution: Floats) -> Floats:
+        """Return the derivatives of all equations by the free ln a."""
+        at = self.reduced(log_a)
+        parts = [
+            BSpline(self.knots, one, 3)(at, 1)[:, None] * self.indicator
+            for one in solution[: 2 * self.size].reshape(2, -1)
+        ]
+        return np.vstack([*parts, np.zeros((len(self.penalty), len(self.free)))])
+
+    def rows(self, weights: Floats) -> Floats:
+        return np.concatenate([weights.ravel(), np.ones(len(self.penalty))])
+
+    def solved(self, log_a: Floats, weights: Floats) -> tuple[Floats, Floats]:
+        """Return what is linear, and the residuals of the points (2, points)."""
+        matrix, rows = self.linear(log_a), self.rows(weights)
+        solution = np.asarray(
+            np.linalg.lstsq(matrix * rows[:, None], self.right * rows, rcond=None)[0], dtype=float
+        )
+        residual = (matrix @ solution - self.right)[: 2 * len(self.x)].reshape(2, -1)
+        return solution, residual
+
+    def settled(self, log_a: Floats, weights: Floats) -> Floats:
+        """Return the free ln a that leave least over, with what is linear eliminated (Kaufman 1975)."""
+        rows = self.rows(weights)
+
+        def at(free: Floats) -> Floats:
+            whole = log_a.copy()
+            whole[self.free] = free
+            return whole
+
+        def misfit(free: Floats) -> Floats:
+            matrix = self.linear(at(free)) * rows[:, None]
+            right = self.right * rows
+            off = matrix @ np.linalg.lstsq(matrix, right, rcond=None)[0] - right
+            return np.concatenate([off, self.turns @ free])
+
+        def jacobian(free: Floats) -> Floats:
+            matrix = self.linear(at(free)) * rows[:, None]
+            solution = np.linalg.lstsq(matrix, self.right * rows, rcond=None)[0]
+            slope = self.slopes(at(free), np.asarray(solution, dtype=float)) * rows[:, None]
+            u, size, _ = np.linalg.svd(matrix, full_matrices=False)
+            u = u[:, size > 1e-12 * size[0]]
+            return np.vstack([slope - u @ (u.T @ slope), self.turns])
+
+        found = least_squares(misfit, log_a[self.free], jac=jacobian, xtol=1e-9, ftol=1e-10, max_nfev=40)
+        return np.asarray(found.x)
+
+    def whole(self, log_a: Floats, solution: Floats, weights: Floats) -> Floats:
+        """Return the weighted derivatives of all equations by everything: curves, ln a, ln b."""
+        matrix = self.linear(log_a)
+        parts = [matrix[:, : 2 * self.size], self.slopes(log_a, solution), matrix[:, 2 * self.size :]]
+        points = np.hstack(parts) * self.rows(weights)[:, None]
+        turns = np.zeros((len(self.turns), points.shape[1]))
+        turns[:, 2 * self.size : 2 * self.size + len(self.free)] = self.turns
+        return np.vstack([points, turns])
+
+
+def _second_differences(celsius: Floats) -> Floats:
+    """Return the changes of slope from sweep to sweep, of a quantity of the sweeps, per usual step (n - 2, n)."""
+    count = len(celsius)
+    step = np.maximum(np.diff(celsius), 1e-3)
+    usual = float(np.median(step)) if count > 1 else 1.0
+    found = np.zeros((max(count - 2, 0), count))
+    for k in range(count - 2):
+        found[k, k : k + 3] = usual / step[k], -usual / step[k] - usual / step[k + 1], usual / step[k + 1]
+    return found
+
+
+def _covariance(
+    weighted: Floats, residual: Floats, sweep: np.ndarray, size: int, free: np.ndarray, count: int
+) -> Floats:
+    """Return the covariance of ln a and ln b: of white scatter, times what neighbours in a sweep have in common."""
+    freedom = max(np.count_nonzero(residual) - weighted.shape[1] + 2 * (size - 3), 1)
+    variance = float(np.sum(residual**2)) / freedom
+    same = sweep[1:] == sweep[:-1]
+    pairs = [
+        float(np.sum((one[1:] * one[:-1])[same]) / max(np.sum((one[1:] ** 2)[same]), 1e-300))
+        for one in residual
+    ]
+    rho = float(np.clip(np.mean(pairs), 0.0, 0.9))
+    inverse = np.linalg.pinv(weighted.T @ weighted, rcond=1e-13, hermitian=True)
+    part = inverse[2 * size :, 2 * size :] * variance * (1.0 + rho) / (1.0 - rho)
+    found = np.zeros((2 * count, 2 * count))
+    places = np.concatenate([free, count + free])[: len(part)]
+    found[np.ix_(places, places)] = part
+    return found

@@ -1,0 +1,98 @@
+"""Records from tables of a case file, one table a record."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from viscorod.errors import Fault, InputError
+from viscorod.records.any_record import AnyRecord
+from viscorod.records.motion_record import Record
+from viscorod.records.other_files import columns_of
+from viscorod.records.other_records import ModesRecord, ModuliRecord, ResponseRecord, StaticRecord
+from viscorod.records.unknown import Unknown
+
+__all__ = ["record_of"]
+
+MOTION_KEYS = ("window", "every", "still")
+"""What is done to a history after it was read, in this order of meaning: noise, cut, decimate."""
+
+
+def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
+    """Return the record that a table describes.
+
+    Its `kind` is "motion" (the default), "response", "modes", "static" or "moduli"; `file` is its path from the folder
+    on; the other keys are the arguments of `Record`, `ResponseRecord`, `ModesRecord`, `StaticRecord`, `ModuliRecord`
+    and their `read`. An unknown is a word or a table with the attributes of `Unknown`. Of histories also `still` [from,
+    to], a stretch at rest that gives the noise; `window` [from, to]; `every`, for decimation.
+
+    Raises:
+        InputError: a key is missing, unknown or wrong.
+    """
+    given = dict(table)
+    kind = given.pop("kind", "motion")
+    if kind not in _MAKERS:
+        raise InputError(Fault("kind", repr(kind), "no kind of record", f"use one of {', '.join(_MAKERS)}"))
+    if "file" in given:
+        given["file"] = str(Path(folder) / str(given["file"]))
+    if "unknown" in given:
+        listed = given["unknown"] if isinstance(given["unknown"], list) else [given["unknown"]]
+        given["unknown"] = [Unknown(**one) if isinstance(one, Mapping) else one for one in listed]
+    try:
+        return _MAKERS[kind](given)
+    except TypeError as error:
+        raise InputError(
+            Fault(f"record of kind {kind}", "", str(error).split("() ")[-1], "check its keys")
+        ) from None
+
+
+def _motion(given: dict[str, Any]) -> AnyRecord:
+    after = {key: given.pop(key) for key in MOTION_KEYS if key in given}
+    file = given.pop("file", None)
+    record = Record(**given) if file is None else Record.read(file, **given)
+    if "still" in after:
+        record = record.with_noise_of(*after["still"])
+    if "window" in after:
+        record = record.window(*after["window"])
+    return record.decimated(after["every"]) if "every" in after else record
+
+
+def _response(given: dict[str, Any]) -> AnyRecord:
+    file = given.pop("file", None)
+    return ResponseRecord(**given) if file is None else ResponseRecord.read(file, **given)
+
+
+def _modes(given: dict[str, Any]) -> AnyRecord:
+    """Return a table of frequencies; from a file by the columns `frequency` and, if given, `damping_ratio`."""
+    file = given.pop("file", None)
+    if file is not None:
+        columns = columns_of(file)
+        given["frequencies"] = columns.si(
+            "frequency", given.pop("frequency", 1), "Hz", given.pop("frequency_unit", None)
+        )
+        if "damping_ratio" in given:
+            ratio = given.pop("damping_ratio")
+            given["damping_ratios"] = columns.si(
+                "damping_ratio", ratio, "1", given.pop("damping_ratio_unit", None)
+            )
+    return ModesRecord(**given)
+
+
+def _static(given: dict[str, Any]) -> AnyRecord:
+    """Return static loads; from a file by the columns `load` and `value`."""
+    file = given.pop("file", None)
+    if file is not None:
+        columns = columns_of(file)
+        unit = "1" if given.get("quantity") == "strain" else "N" if given.get("quantity") == "force" else "m"
+        given["loads"] = columns.si("load", given.pop("load", 1), "N", given.pop("load_unit", None))
+        given["values"] = columns.si("value", given.pop("value", 2), unit, given.pop("unit", None))
+    return StaticRecord(**given)
+
+
+def _moduli(given: dict[str, Any]) -> AnyRecord:
+    file = given.pop("file", None)
+    return ModuliRecord(**given) if file is None else ModuliRecord.read(file, **given)
+
+
+_MAKERS = {"motion": _motion, "response": _response, "modes": _modes, "static": _static, "moduli": _moduli}

@@ -1,0 +1,154 @@
+"""Tables of records in text files: one line of names with units, then numbers, as instruments export them.
+
+The rules are those of tables of moduli (`read_dma_table`): any encoding; columns divided by tabs, semicolons, commas,
+bars or blanks; decimal commas where commas do not divide; lines above the names, empty ones and those that begin with
+``#`` are skipped. Units stand beside the names, or in the line below them.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.materials.table_text import SEPARATORS, Numbers, lines_of, looks_like_a_number
+from viscorod.records.columns import Columns, name_and_unit
+
+__all__ = ["columns_of_text"]
+
+_BARE = ("", "-", "1", "C", "°C", "K", "F", "°F")
+"""Units that are none beside a name."""
+_REMARK = re.compile(r"\s*(#|%|//)")
+
+
+def columns_of_text(path: Path) -> Columns:
+    """Return the table of a text file.
+
+    Raises:
+        InputError: it cannot be read; the message names the line.
+    """
+    if not path.is_file():
+        raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
+    try:
+        lines = lines_of(path)
+        return _table(str(path), lines)
+    except RefusedError as error:
+        raise InputError(Fault(str(path), error.found or "", error.why, error.instead)) from None
+
+
+def _table(source: str, lines: list[str]) -> Columns:
+    divide, first, width = _layout(lines)
+    names, units = _heads(lines, first, divide, width)
+    rows: list[tuple[int, list[str]]] = []
+    for number in range(first, len(lines) + 1):
+        line = lines[number - 1]
+        if not line.strip() or _REMARK.match(line):
+            continue
+        cells = _cells(line, divide, width)
+        if len(cells) != width or not any(map(looks_like_a_number, cells)):
+            below = (_cells(text, divide, width) for text in lines[number:])
+            if not _numeric(cells) and not any(len(other) == width and _numeric(other) for other in below):
+                break  # a remark at the end
+        if len(cells) != width:
+            raise RefusedError(
+                f"line {number} has {len(cells)} cells, and the table {width} columns",
+                "complete the line, or take it out; decimals with a point where commas divide",
+                found=show(line[:60].strip()),
+            )
+        rows.append((number, cells))
+    numbers = Numbers(cell for _, cells in rows for cell in cells if looks_like_a_number(cell))
+    values = np.array([_row(number, cells, names, numbers) for number, cells in rows])
+    return Columns(source, names, units, values)
+
+
+def _row(number: int, cells: list[str], names: tuple[str, ...], numbers: Numbers) -> list[float]:
+    found = []
+    for k, cell in enumerate(cells):
+        value = numbers.of(cell)
+        if value is None:
+            raise RefusedError(
+                f"line {number}, column {names[k] or k + 1}: this is no number",
+                "give a number, or leave the cell empty where nothing was measured",
+                found=show(cell),
+            )
+        found.append(value)
+    return found
+
+
+def _layout(lines: list[str]) -> tuple[Callable[[str], list[str]], int, int]:
+    """Return how lines are divided, the first line of numbers (from 1) and the number of columns.
+
+    Of the ways to divide, that counts by which the first lines of numbers have the same number of cells, two or more.
+    """
+    for _, below in SEPARATORS.values():
+        at = [k for k, line in enumerate(lines, 1) if line.strip() and not _REMARK.match(line)]
+        for place, k in enumerate(at):
+            cells = _cells(lines[k - 1], below)
+            if len(cells) < 2 or not _numeric(cells):
+                continue
+            following = [_cells(lines[j - 1], below) for j in at[place + 1 : place + 4]]
+            if following and not any(len(other) == len(cells) for other in following):
+                continue
+            counts = [len(cells), *(len(other) for other in following if _numeric(other))]
+            return below, k, max(counts, key=lambda count: (counts.count(count), count))
+    raise RefusedError(
+        "there are no lines of two numbers or more",
+        "give a table in columns, with names and units above them",
+    )
+
+
+def _cells(line: str, divide: Callable[[str], list[str]], width: int | None = None) -> list[str]:
+    """Return the cells of a line, without an empty one that a mark at its end leaves."""
+    cells = divide(line)
+    return cells[:-1] if len(cells) > 1 and not cells[-1] and len(cells) - 1 >= (width or 0) else cells
+
+
+def _numeric(cells: list[str]) -> bool:
+    return any(map(looks_like_a_number, cells)) and all(
+        not cell or looks_like_a_number(cell) or cell.lower() in ("nan", "-", "n/a", "na") for cell in cells
+    )
+
+
+def _heads(
+    lines: list[str], first: int, divide: Callable[[str], list[str]], width: int
+) -> tuple[tuple[str, ...], tuple[str | None, ...]]:
+    """Return names and units of the columns."""
+    near = [
+        (k, cells)
+        for k in range(first - 1, max(first - 6, 0), -1)
+        if len(cells := _named_cells(lines[k - 1], divide, width)) == width and not _numeric(cells)
+    ]
+    if not near:
+        return tuple("" for _ in range(width)), tuple(None for _ in range(width))
+    cells = near[0][1]
+    below: list[str | None] = [None] * width
+    if len(near) > 1 and _all_units(cells):
+        below = [cell.strip("[]() ") or None for cell in cells]
+        cells = near[1][1]
+    pairs = [name_and_unit(cell) for cell in cells]
+    units = tuple(unit if unit is not None else under for (_, unit), under in zip(pairs, below, strict=True))
+    return tuple(name for name, _ in pairs), units
+
+
+def _named_cells(line: str, divide: Callable[[str], list[str]], width: int) -> list[str]:
+    """Return the cells of a line of names; where blanks divide, names may have units in brackets after a blank."""
+    text = re.sub(r"^\s*[#%]+\s*", "", line)
+    cells = _cells(text, divide, width)
+    if len(cells) != width:
+        for above, below in SEPARATORS.values():
+            if below is divide and len(found := _cells(text, above)) == width:
+                return found
+    return cells
+
+
+def _all_units(cells: list[str]) -> bool:
+    """Return whether a line below the names holds units: brackets, or texts that are units."""
+    texts = [cell.strip() for cell in cells]
+    bracketed = all(re.fullmatch(r"[\[(].*[\])]", text) for text in texts if text)
+    return any(texts) and (
+        bracketed or all(name_and_unit(f"x_{text}")[1] for text in texts if text not in _BARE)
+    )

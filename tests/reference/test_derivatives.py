@@ -1,0 +1,248 @@
+"""Derivatives by numbers of a case: closed forms, an independent linearisation, extrapolated differences."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
+from viscorod.errors import InputError
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.sensitivity import motion_sensitivity
+from viscorod.solve.sensitivity.array_changes import ArrayChanges
+from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.recorded_steps import RecordedSteps
+
+E, TAU = "materials.rubber.youngs_modulus", "materials.rubber.damping.shear_time"
+
+
+def bar(elements=3, tau=0.004, **rod):
+    model = vr.Model()
+    rubber = vr.Material(
+        2.5e6, poissons_ratio=0.45, density=1100.0, damping=vr.KelvinVoigt(tau, tau) if tau else None
+    )
+    model.materials["rubber"] = rubber
+    given = {"section": vr.Rectangle(0.02, 0.01), "material": rubber, "elements": elements, "order": 3}
+    model.add("beam", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), **(given | rod)))
+    return model
+
+
+def swing():
+    """A rubber cantilever that hangs aside in equilibrium, and is let go."""
+    model = bar()
+    model.clamp("beam.start")
+    model.gravity((0, 0, -9.81))
+    model.force("beam.end", (0.0, 0.05, 0.0), until=0.0)
+    return model
+
+
+def assembly():
+    """Two rods with a hinge, a body at the end, held strains, a rest strain."""
+    model = bar(elements=2)
+    rubber = model.materials["rubber"]
+    given = {"section": vr.Rectangle(0.02, 0.01), "material": rubber, "elements": 2, "order": 2}
+    model.add("arm", vr.Rod.straight((0.3, 0, 0), (0.4, 0, 0), **given, constraints="inextensible"))
+    model.add("tip", vr.Body(mass=0.01, centre=(0.4, 0, 0), inertia=(1e-5, 1e-5, 1e-5)))
+    model.attach("arm.end", "tip")
+    model.revolute("beam.end", "arm.start", axis=(0, 1, 0), stiffness={"rz": 0.1}, damping={"rz": 1e-3})
+    model.clamp("beam.start")
+    model.gravity((0, 0, -9.81))
+    model.force("beam.end", (0.0, 0.05, 0.0))
+    model.rest_strain("beam", (0, 0, 0, 0.1, 0, 0))
+    return model
+
+
+def extrapolated(function, value, step):
+    """The derivative by two central differences (Richardson): error of the fourth order."""
+    first, second = ((function(value + h) - function(value - h)) / (2.0 * h) for h in (step, 0.5 * step))
+    return (4.0 * second - first) / 3.0
+
+
+ASSEMBLY = (
+    "rods.beam.section.width",
+    "rods.beam.end[0]",
+    "loads[1].value[1]",
+    "bodies.tip.mass",
+    "joints[0].axis[2]",
+    "rest_strains[0].value[3]",
+)
+
+
+STORED = ("position", "rotation", "strain", "elastic", "joint_value")
+
+
+def test_equilibria_of_assemblies_change_as_differences_say():
+    """Richardson-extrapolated differences of equilibria, by numbers of every kind; all that is stored."""
+    model = assembly()
+    found = model.equilibrium(derivatives=list(ASSEMBLY))
+    for key, derivative in found.derivatives.items():
+        step = 1e-3 * (abs(derivative.value) or 1.0)
+
+        def data(value, key=key):
+            return with_values(model, {key: value}).equilibrium().data[list(STORED)]
+
+        expected = extrapolated(data, derivative.value, step)
+        for name in STORED:
+            wanted, mine = expected[name].values, derivative.data[name].values
+            np.testing.assert_allclose(
+                mine, wanted, atol=1e-7 * np.abs(wanted).max(), err_msg=f"{key} {name}"
+            )
+    force = found.derivatives["loads[1].value[1]"]
+    assert force.data.position.attrs["units"] == "(m)/(N)"
+    tip = force.probe("beam.end").position.values[-1, 0]
+    np.testing.assert_allclose(tip, force.history("beam.end").values[-1], atol=1e-12)
+
+
+def test_a_damped_bar_changes_as_its_closed_form():
+    """Closed form: f ~ E^1/2 at once for all modes, and the ratio of each is omega tau/2 (theta of shear and bulk)."""
+    model = bar(tau=0.0004)
+    model.clamp("beam.start")
+    modes = model.modes(4, derivatives=[E, TAU, "materials.rubber.damping.bulk_time"])
+    f, ratios = modes.frequencies, modes.damping_ratios
+    by_modulus = modes.derivatives[E]
+    np.testing.assert_allclose(by_modulus.frequencies, 0.5 * f / 2.5e6, rtol=1e-8)
+    np.testing.assert_allclose(by_modulus.damping_ratios, 0.5 * ratios / 2.5e6, rtol=1e-7)
+    both = sum(
+        modes.derivatives[key].damping_ratios for key in (TAU, "materials.rubber.damping.bulk_time")
+    )  # of one time for both, to which ratios are proportional
+    np.testing.assert_allclose(both, ratios / 0.0004, rtol=1e-7)
+    with pytest.raises(InputError, match="no derivative"):
+        by_modulus.of(lambda modes: modes.shapes)
+    assert "mode_shape" not in by_modulus.data
+
+
+@pytest.mark.parametrize("make", [assembly, lambda: bar(elements=2)])
+def test_eigenvalues_change_as_differences_say(make):
+    """Richardson-extrapolated differences, about an equilibrium that changes too, and of a free rod."""
+    model = make()
+    keys = ["loads[0].acceleration[2]", "joints[0].damping.rz"] if model.joints else [E, TAU]
+    count = 3 if model.joints else 9
+    modes = model.modes(count, derivatives=keys)
+    s = modes.eigenvalues
+    for key in keys:
+        value = modes.derivatives[key].value
+        expected = extrapolated(
+            lambda v, key=key: with_values(model, {key: v}).modes(count).eigenvalues, value, 1e-2 * abs(value)
+        )
+        found = modes.derivatives[key].of(lambda modes: modes.eigenvalues)
+        assert (np.abs(found - expected) <= 2e-8 * np.abs(s / value)).all(), key
+
+
+def test_modes_that_fall_together_have_the_derivative_of_their_mean():
+    """A square free rod: the trace of what a width parts is that of both bendings."""
+    model = bar(elements=2, section=vr.Rectangle(0.01, 0.01))
+    with pytest.warns(UserWarning, match="have one frequency"):
+        modes = model.modes(8, derivatives=["rods.beam.section.width"])
+    derivative = modes.derivatives["rods.beam.section.width"]
+
+    def mean(width):
+        return with_values(model, {"rods.beam.section.width": width}).modes(8).frequencies[6:].mean()
+
+    assert derivative.frequencies[6] == pytest.approx(extrapolated(mean, 0.01, 1e-4), rel=1e-6)
+
+
+def test_a_motion_changes_as_its_exact_linearisation_says():
+    """An independent formulation: each step linearised exactly and solved, by the arrays of the problem."""
+    model = bar(elements=2)
+    model.clamp("beam.start")
+    model.gravity((0, 2.0, -9.81))
+    density = "materials.rubber.density"
+    run = model.simulate(0.2, initial="reference", tolerance=1e-4, derivatives=[E, TAU, density])
+    problem = discretise(model)
+    method = Radau(GeometricSystem(problem), SupportState(problem), tolerance=1e-8)
+    method.iterations = 60
+    steps = RecordedSteps(method)
+    steps.start(0.0, State.reference(problem))
+    for end in run.ends_of_steps:
+        assert steps.attempt(end, before=bool(end == run.ends_of_steps[-1])).converged
+        steps.accept()
+    elements = method.system.elements()
+    changes = [ArrayChanges.none(problem, elements) for _ in range(2)]
+    changes[0].stiffness[:], changes[0].damping[:] = elements.stiffness, elements.damping
+    changes[1].mass[:] = problem.mass
+    tip = problem.stations.nodes[-1]
+    change = list(motion_sensitivity.forward(steps, changes))[-1]
+    matrix = _rotation(change.state.q[tip])
+    for k, (key, value) in enumerate(((E, 2.5e6), (density, 1100.0))):
+        expected = matrix @ change.pose[k, tip, :3] / value
+        found = run.derivatives[key].history("beam.end").values[-1]
+        np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def _rotation(q):
+    w, x, y, z = q
+    return np.array(
+        [
+            [1 - 2 * (y * y + z * z), 2 * (x * y - w * z), 2 * (x * z + w * y)],
+            [2 * (x * y + w * z), 1 - 2 * (x * x + z * z), 2 * (y * z - w * x)],
+            [2 * (x * z - w * y), 2 * (y * z + w * x), 1 - 2 * (x * x + y * y)],
+        ]
+    )
+
+
+def test_a_release_has_the_derivative_of_its_equilibrium_at_the_start():
+    """The state at t = 0 is the equilibrium; what follows from the motion has derivatives too."""
+    model = swing()
+    run = model.simulate(0.3, output_interval=0.05, derivatives=[E, TAU])
+    resting = model.equilibrium(derivatives=[E])
+    start = run.derivatives[E].data.position.values[0]
+    expected = resting.derivatives[E].data.position.values[-1]
+    np.testing.assert_allclose(start, expected, atol=1e-8 * np.abs(expected).max())
+    assert np.abs(run.derivatives[TAU].data.position.values[0]).max() < 1e-9  # which does not damp what rests
+    energy = run.derivatives[E].data
+    account = energy.kinetic + energy.elastic + energy.viscous - energy.external
+    scale = np.abs(energy.elastic.values).max()  # what a swing loses is what it began with
+    np.testing.assert_allclose((account - account[0]).values, energy.numerical.values, atol=1e-9 * scale)
+    at = run.derivatives[E].probe("beam@0.2", times=[0.07, 0.11])
+    assert at.position.shape == (2, 1, 3)
+
+
+def test_a_value_with_its_gradient_goes_to_an_optimiser():
+    """SciPy finds the modulus that gives a tip's deflection again."""
+    from scipy.optimize import least_squares
+
+    model = bar()
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0.02, 0))
+    given = {"ftol": None, "gtol": None, "xtol": 1e-12}
+    wanted = model.equilibrium().position("beam.end")
+    function = model.value_and_gradient([E], lambda found: found.position("beam.end"), "equilibrium")
+    assert function.values == pytest.approx([2.5e6])
+    assert function.units == ["Pa"]
+    other = least_squares(
+        lambda x: function(x * 1e6)[0] - wanted, [3.0], lambda x: 1e6 * function(x * 1e6)[1], **given
+    )
+    assert other.x[0] == pytest.approx(2.5, rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("key", "text"),
+    [
+        ("rods.beam.elements", "a whole number is needed"),
+        ("rods.beam.section.breadth", "there is no such number"),
+        ("materials.steel.density", "the names here are rubber"),
+        ("loads[7].value[0]", "the first is"),
+        ("simulate.duration", "setting of the analysis"),
+        ("beam", "not the key of a number"),
+        ("supports[0].at", "name a number"),
+    ],
+)
+def test_what_is_no_number_of_a_model_is_refused_by_its_key(key, text):
+    with pytest.raises(InputError, match=text):
+        swing().equilibrium(derivatives=[key])
+
+
+def test_numbers_of_shared_and_named_parts():
+    """A named material changes wherever it is; one of a rod changes there alone; defaults are numbers too."""
+    model = assembly()
+    everywhere = CaseNumber.of(model, E).at(3e6)
+    assert [rod.material.youngs_modulus for rod in everywhere.rods.values()] == [3e6, 3e6]
+    one = CaseNumber.of(model, "rods.arm.material.youngs_modulus").at(3e6)
+    assert [rod.material.youngs_modulus for rod in one.rods.values()] == [2.5e6, 3e6]
+    assert CaseNumber.of(model, "rods.beam.twist").value == 0.0
+    case = vr.load_case("examples/rubber_strip.toml").model(vr.Model)
+    assert list(case.materials)

@@ -1,0 +1,182 @@
+"""Free decays in closed form with noise: intervals that hold, several modes, and what is wrong with a record."""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from helpers.synthetic_results import swing
+from viscorod.cli.app import app
+from viscorod.records.damped_sines import fit_sines, pencil_poles
+from viscorod.results.run import Run
+
+FREQUENCY, RATIO = 2.0, 0.03
+TIMES = np.arange(300) * 0.025
+
+
+def sine(times, frequency=FREQUENCY, ratio=RATIO, amplitude=1.0, phase=0.4):
+    """A damped sine with this natural frequency."""
+    omega = 2.0 * np.pi * frequency
+    return (
+        amplitude * np.exp(-ratio * omega * times) * np.cos(omega * np.sqrt(1.0 - ratio**2) * times + phase)
+    )
+
+
+def test_intervals_of_noisy_decays_hold():
+    """95 % intervals of 300 decays contain the truth 95 % of the time, within three binomial standard deviations."""
+    rng = np.random.default_rng(4)
+    start = np.array([2j * np.pi * FREQUENCY * 1.01 - 0.5])
+    inside, ratios, widths = [], [], []
+    for _ in range(300):
+        fit = fit_sines(TIMES, sine(TIMES) + 0.2 + rng.normal(0.0, 0.05, len(TIMES)), start)
+        (f,), (z,), (df,), (dz,) = fit.ratios()
+        inside.append([abs(f - FREQUENCY) < 1.968 * df, abs(z - RATIO) < 1.968 * dz])
+        ratios.append(z)
+        widths.append(dz)
+    assert np.mean(inside, axis=0) == pytest.approx([0.95, 0.95], abs=0.038)
+    # and they are no wider than the scatter of the ratios
+    assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.12)
+
+
+def test_least_squares_scatters_less_than_the_matrix_pencil():
+    rng = np.random.default_rng(5)
+    off = []
+    for _ in range(60):
+        noisy = sine(TIMES) + rng.normal(0.0, 0.1, len(TIMES))
+        start = pencil_poles(TIMES, noisy, 1)
+        fit = fit_sines(TIMES, noisy, start)
+        off.append([-s.real / abs(s) - RATIO for s in (start[0], fit.poles[0])])
+    pencil, squares = np.std(off, axis=0)
+    assert squares < pencil < 2.0 * squares
+
+
+def test_correlated_noise_widens_intervals():
+    """Noise with the memory of an AR(1) process; intervals of white noise would be far too narrow."""
+    rng = np.random.default_rng(6)
+    times = np.arange(600) * 0.0125
+    inside, wide = [], []
+    for _ in range(80):
+        noise = np.zeros(len(times))
+        for k, kick in enumerate(rng.normal(0.0, 0.02, len(times))):
+            noise[k] = 0.9 * noise[k - 1] + kick
+        fit = fit_sines(times, sine(times) + noise, np.array([2j * np.pi * FREQUENCY - 0.4]))
+        inside.append(abs(fit.ratios()[1][0] - RATIO) < 1.96 * fit.ratios()[3][0])
+        wide.append(not fit.is_white)
+    assert np.mean(wide) > 0.95
+    assert np.mean(inside) > 0.88
+
+
+def test_two_modes_and_a_creeping_rest():
+    rng = np.random.default_rng(7)
+    times = np.arange(800) * 0.01
+    rest = 0.3 + 0.2 * np.exp(-times / 1.5)
+    values = sine(times) + sine(times, 7.3, 0.01, 0.2) + rest + rng.normal(0.0, 0.005, len(times))
+    found = vr.decay(times, values)
+    assert len(found.frequencies) == 2
+    for k, truth in enumerate([(FREQUENCY, RATIO), (7.3, 0.01)]):
+        assert found.frequencies[k] == pytest.approx(truth[0], abs=2.0 * found.data.frequency_width.values[k])
+        assert found.damping_ratios[k] == pytest.approx(
+            truth[1], abs=2.0 * found.data.damping_ratio_width.values[k]
+        )
+        assert found.data.damping_ratio_width.values[k] < 0.05 * truth[1]
+    assert any("the rest moves by 0.1" in text for text in found.warnings)
+
+
+def test_modes_that_beat_are_both_found():
+    rng = np.random.default_rng(8)
+    times = np.arange(2000) * 0.02
+    values = sine(times, 2.0, 0.004) + sine(times, 2.12, 0.004, 0.7) + rng.normal(0.0, 0.01, len(times))
+    found = vr.decay(times, values, start=0.0)
+    assert sorted(found.frequencies) == pytest.approx([2.0, 2.12], rel=1e-3)
+    assert found.damping_ratios == pytest.approx([0.004, 0.004], rel=0.05)
+    assert any("beat with a period of 8.3" in text for text in found.warnings)
+
+
+def test_ratio_that_depends_on_amplitude_is_told():
+    """q'' + 2 zeta (1 + (a/A)) omega q' + omega^2 q = 0 with the amplitude a: a decay with a rate that falls."""
+    times = np.arange(1500) * 0.01
+    omega = 2.0 * np.pi * FREQUENCY
+    low = 0.02 * omega
+    # a' = -low (1 + a) a, a(0) = 1: a = 1/(2 exp(low t) - 1)
+    amplitude = 1.0 / (2.0 * np.exp(low * times) - 1.0)
+    values = amplitude * np.cos(omega * times) + np.random.default_rng(9).normal(0.0, 2e-3, len(times))
+    found = vr.decay(times, values, start=0.0, cycles=3)
+    ratio, size = found.data.piece_ratio.values, found.data.piece_amplitude.values
+    clear = size > 0.1
+    assert np.count_nonzero(clear) >= 3
+    assert ratio[clear] == pytest.approx(0.02 * (1.0 + size[clear]), rel=0.03)
+    assert np.ptp(ratio[clear]) > 0.008
+    assert any("the damping ratio is not one number" in text for text in found.warnings)
+    assert any("is not noise" in text for text in found.warnings)
+
+
+DOUBTS = {
+    "clipped": (
+        np.arange(300) * 0.01,
+        lambda t: np.clip(sine(t, ratio=0.01), -0.8, 0.8),
+        "the record is clipped",
+    ),
+    "few cycles": (np.arange(100) * 0.01, sine, "only 2 cycles"),
+    "sampling": (np.arange(200) * 0.125, lambda t: sine(t, ratio=0.005), "may be an alias of 6 or 10 Hz"),
+    "bins": (
+        np.arange(800) * 0.01,
+        lambda t: sine(t, ratio=0.005),
+        "half-power: refused; the width of 0.02 Hz",
+    ),
+}
+
+
+@pytest.mark.parametrize("name", DOUBTS)
+def test_what_is_wrong_with_a_record_is_told(name):
+    times, values, message = DOUBTS[name]
+    noise = np.random.default_rng(10).normal(0.0, 1e-3, len(times))
+    noisy = values(times) if name == "clipped" else values(times) + noise
+    assert any(message in text for text in vr.decay(times, noisy, start=0.0).warnings)
+
+
+def test_a_clean_record_has_no_doubts():
+    times = np.arange(2400) * 0.01
+    values = sine(times) + np.random.default_rng(11).normal(0.0, 1e-3, len(times))
+    assert vr.decay(times, values, start=0.0).warnings == []
+
+
+def test_decay_of_a_run_saved_and_drawn(tmp_path):
+    run = Run(swing(0.05, 3.6, duration=12.0))
+    found = vr.decay(run, place="beam.end", direction="y")
+    assert found.damping_ratios == pytest.approx([0.05], rel=1e-4)
+    assert found.frequencies == pytest.approx([3.6 / (2.0 * np.pi)], rel=1e-4)
+    again = vr.load(found.save(tmp_path / "decay.nc"))
+    assert again.report() == found.report()
+    assert again.plot(tmp_path / "decay.png").stat().st_size > 10_000
+
+
+def test_command(tmp_path, capsys):
+    from typer.testing import CliRunner
+
+    file = tmp_path / "tip.csv"
+    held = np.where(TIMES < 1.0, 1.0, np.cos(2 * np.pi * 2 * (TIMES - 1.0)) * np.exp(-0.4 * (TIMES - 1.0)))
+    noisy = held + np.random.default_rng(3).normal(0.0, 1e-3, len(TIMES))
+    np.savetxt(file, np.column_stack([TIMES, 1e3 * noisy]), delimiter=",", header="t_s,tip_mm", comments="")
+    told = CliRunner().invoke(
+        app, ["damping", "decay", str(file), "--value", "tip", "-o", str(tmp_path / "out")]
+    )
+    assert told.exit_code == 0, told.output
+    assert "samples from 1.125" in told.output or "samples from 1.15" in told.output
+    found = vr.load(tmp_path / "out" / "decay.nc")
+    pole = complex(-0.4, 4.0 * np.pi)
+    assert found.damping_ratios[0] == pytest.approx(0.4 / abs(pole), rel=0.02)
+    refused = CliRunner().invoke(app, ["damping", "decay", str(file), "--value", "top"])
+    assert refused.exit_code == 2
+    assert "did you mean 'tip'?" in refused.output
+
+
+@pytest.mark.parametrize(
+    ("values", "message"),
+    [
+        (np.zeros(100), "nothing moves"),
+        (np.exp(-np.arange(100) * 0.1), "no motion that swings"),
+        (sine(np.arange(10) * 0.1), "a decay needs 16 at least"),
+    ],
+)
+def test_what_is_no_decay_is_refused(values, message):
+    with pytest.raises(vr.InputError, match=message):
+        vr.decay(np.arange(len(values)) * 0.1, values, start=0.0)

@@ -1,0 +1,136 @@
+"""Master curves of a Prony series whose times follow a known law: shifts, their intervals, laws, and the material."""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.cli.app import app
+from viscorod.model.materials.sweeps import DmaTable
+
+TIMES = 10.0 ** np.arange(-8.0, 7.0)
+TRUTH = vr.RelaxationModulus(
+    3e6, tuple(3e8 * np.exp(-0.5 * ((np.log10(TIMES) + 1.0) / 2.5) ** 2)), tuple(TIMES)
+)
+C1, C2, REFERENCE = 12.0, 70.0, 60.0
+CELSIUS = np.arange(40.0, 91.0, 7.0) - 1.0  # 60 is one of them
+HERTZ = np.geomspace(0.1, 30.0, 8)
+
+
+def law(celsius):
+    return -C1 * (celsius - REFERENCE) / (C2 + celsius - REFERENCE)
+
+
+def lift(celsius):
+    return (celsius + 273.15) / (REFERENCE + 273.15)
+
+
+def sweeps(seed, noise=0.005, lifted=True):
+    """What an instrument measures of it at the temperatures."""
+    rng = np.random.default_rng(seed)
+    found = []
+    for celsius in CELSIUS:
+        omega = 2.0 * np.pi * HERTZ
+        modulus = TRUTH.shifted(10.0 ** law(celsius)).complex_modulus(omega) * (
+            lift(celsius) if lifted else 1.0
+        )
+        parts = [
+            part * np.exp(noise * k * rng.normal(size=len(omega)))
+            for k, part in ((1.0, modulus.real), (2.0, modulus.imag))
+        ]
+        found.append((float(celsius), DmaTable(omega, *parts)))
+    return found
+
+
+@pytest.fixture(scope="module")
+def master():
+    return vr.master_curve(sweeps(1), reference=60.0, title="rubber")
+
+
+def test_shifts_are_found_within_their_intervals(master):
+    width = master.data.log_shift_width.values
+    off = np.abs(master.log_shifts - law(CELSIUS))
+    assert off[width == 0.0] == pytest.approx([0.0], abs=1e-9)
+    assert (off[width > 0.0] < 2.0 * width[width > 0.0]).all()
+    assert width.max() < 0.3
+    assert np.abs(master.lifts - lift(CELSIUS)).max() < 2.0 * master.data.lift_width.values.max()
+
+
+def test_intervals_of_shifts_hold():
+    """Of 12 data sets with 7 shifts each: 84 intervals; 95 % hold, within three binomial standard deviations."""
+    inside = []
+    for seed in range(12):
+        found = vr.master_curve(sweeps(seed, lifted=False), reference=60.0, vertical=False)
+        width = found.data.log_shift_width.values
+        free = width > 0.0
+        inside += list(np.abs(found.log_shifts - law(CELSIUS))[free] < width[free])
+    assert len(inside) == 84
+    assert np.mean(inside) > 0.95 - 3.0 * np.sqrt(0.95 * 0.05 / 84)
+
+
+def test_law_of_wlf_with_intervals(master):
+    found = master.laws["wlf"]
+    for value, low, high, truth in zip(found["values"], found["low"], found["high"], (C1, C2), strict=True):
+        assert low < truth < high
+        assert value == pytest.approx(truth, rel=0.1)
+    assert master.law == "wlf"
+    assert found["off"] < 0.03 < master.laws["arrhenius"]["off"]
+    shift = vr.WLF(**{key: value for key, value in master.shift().items() if key != "kind"})
+    assert shift.decades(75.0) == pytest.approx(law(75.0), abs=0.03)
+
+
+def test_activation_energy():
+    """Shifts of 150 kJ/mol, whose law is a straight line over the inverse temperature."""
+    energy = 1.5e5
+    tables = []
+    for celsius in CELSIUS:
+        decades = energy / 8.314462618 * (1.0 / (celsius + 273.15) - 1.0 / 333.15) / np.log(10.0)
+        modulus = TRUTH.shifted(10.0**decades).complex_modulus(2.0 * np.pi * HERTZ)
+        tables.append((celsius, DmaTable(2.0 * np.pi * HERTZ, modulus.real, modulus.imag)))
+    found = vr.master_curve(tables, reference=60.0, vertical=False)
+    (value,) = found.laws["arrhenius"]["values"]
+    assert value == pytest.approx(energy, rel=0.01)
+    assert found.laws["arrhenius"]["off"] < 0.02
+
+
+def test_material_has_the_moduli_of_its_temperature(master):
+    """Maxwell branches through the curve, shifted to a temperature between two sweeps."""
+    for celsius in (50.0, 71.0):
+        rubber = vr.Material(**master.material(celsius, density=1100.0, poissons_ratio=0.45))
+        omega = 2.0 * np.pi * np.array([0.3, 3.0, 10.0])
+        exact = lift(celsius) * TRUTH.shifted(10.0 ** law(celsius)).complex_modulus(omega)
+        assert np.abs(rubber.relaxation("extension").complex_modulus(omega) / exact - 1.0).max() < 0.06
+
+
+def test_files_command_and_picture(master, tmp_path):
+    from typer.testing import CliRunner
+
+    rows = [
+        f"{hertz},{storage * 1e-6},{loss * 1e-6},{celsius}"
+        for celsius, one in sweeps(2)
+        for hertz, storage, loss in zip(HERTZ, one.storage, one.loss, strict=True)
+    ]
+    file = tmp_path / "sweeps.csv"
+    file.write_text("f (Hz),E' (MPa),E'' (MPa),T (C)\n" + "\n".join(rows) + "\n")
+    out = tmp_path / "out"
+    told = CliRunner().invoke(app, ["damping", "master", str(file), "--reference", "60", "-o", str(out)])
+    assert told.exit_code == 0, told.output
+    assert 'kind = "wlf"' in told.output
+    again = vr.load(out / "master.nc")
+    assert again.report() in told.output
+    assert (out / "master.png").stat().st_size > 20_000
+    table = vr.ModulusTable(file=str(out / "master.csv")).table
+    assert len(table.omega) == again.data.sizes["curve"]
+    part = vr.load(master.save(tmp_path / "again.nc"))
+    assert part.report() == master.report()
+
+
+def test_what_cannot_be_laid_over_each_other_is_told():
+    two = sweeps(3)[:2]
+    with pytest.raises(vr.InputError, match="needs three sweeps of three frequencies"):
+        vr.master_curve(two)
+    with pytest.raises(vr.InputError, match="two sweeps have the same temperature"):
+        vr.master_curve([*sweeps(3), sweeps(3)[0]])
+    with pytest.raises(vr.InputError, match="no sweep is near it"):
+        vr.master_curve(sweeps(3), reference=300.0)
+    far = [one for one in sweeps(3) if one[0] not in (46.0, 53.0, 60.0)]
+    assert any("no level in common" in text for text in vr.master_curve(far).warnings)
