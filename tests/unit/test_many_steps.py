@@ -20,7 +20,7 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient import many_steps
+from viscorod.solve.transient import many_steps, transient_solver
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.many_steps import ManySteps
 from viscorod.solve.transient.step_control import ErrorControl
@@ -104,7 +104,7 @@ def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken, monk
     """All data, and all that a result says of its steps and of their errors."""
     at_once = make().simulate(0.6, initial="reference", **given)
     assert sum(taken) > 0.5 * at_once.data.attrs["steps"]
-    monkeypatch.setattr(ManySteps, "of", lambda *_: None)
+    monkeypatch.setattr(ManySteps, "of", lambda *_, **__: None)
     one_by_one = make().simulate(0.6, initial="reference", **given)
     assert at_once.data.identical(one_by_one.data.assign_attrs(at_once.data.attrs))
     apart = {key for key, value in one_by_one.data.attrs.items() if at_once.data.attrs.get(key) != value}
@@ -137,6 +137,19 @@ def test_a_run_goes_on_from_a_step_that_was_taken_with_others(taken, monkeypatch
         np.testing.assert_array_equal(one, other)
     np.testing.assert_array_equal(end.state.r, rest.history.snapshots[-1].state.r)
     assert second.account.recorded == whole.account.recorded
+
+
+def test_machine_code_is_loaded_for_long_runs_only(taken, monkeypatch):
+    """From disk it takes longer than a short run: of that all steps are taken one by one, of a long one the first."""
+    monkeypatch.setattr(KnownTypes, "loaded", property(lambda _: False))
+    monkeypatch.setattr(KnownTypes, "kept", property(lambda _: True))
+    short, state = transient(clamped(), 0.2)
+    assert short.run(state, 0.2).effort.steps > 10
+    assert not taken
+    monkeypatch.setattr(transient_solver, "LONG", 10)
+    long, state = transient(clamped(), 0.2)
+    assert long.run(state, 0.2).effort.steps == short.effort.steps
+    assert 0 < sum(taken) <= long.effort.steps - 10
 
 
 def test_what_goes_wrong_in_python_ends_the_run(taken):

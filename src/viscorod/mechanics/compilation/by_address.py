@@ -7,6 +7,7 @@ valid, and the numbers are those of the same kernel when Python calls it.
 
 from __future__ import annotations
 
+import functools
 from collections.abc import Callable
 from typing import Any
 
@@ -29,7 +30,12 @@ def address_of(known: KnownTypes, result: Any, arguments: Callable[[], tuple[Any
     compiled = known.compiled(arguments() if known.unknown else ())
     if compiled.signature.return_type != result:
         raise TypeError(f"{compiled.fndesc.qualname} returns {compiled.signature.return_type}, not {result}")
-    found: int = compiled.library.get_pointer_to_function(compiled.fndesc.llvm_func_name)
+    return _place(compiled.library, compiled.fndesc.llvm_func_name)
+
+
+@functools.cache
+def _place(library: Any, name: str) -> int:
+    found: int = library.get_pointer_to_function(name)
     return found
 
 

@@ -18,6 +18,9 @@ __all__ = ["KnownTypes"]
 
 Code = Callable[..., Any]
 
+_LAYOUT = 0x0001 | 0x0002 | 0x0400
+"""NumPy's flags of C and Fortran order, and of arrays that may be written."""
+
 
 class KnownTypes:
     """A kernel for arguments of the types of its first call: arrays of the same kind, dimensions and layout, always.
@@ -49,9 +52,21 @@ class KnownTypes:
         return self._compiled is None
 
     @property
-    def ready(self) -> bool:
-        """Whether there is machine code, in memory or on disk."""
-        return not PURE_PYTHON and (bool(cast(Any, self._kernel).overloads) or on_disk(self._kernel))
+    def loaded(self) -> bool:
+        """Whether machine code of the kernel is in memory."""
+        return not PURE_PYTHON and bool(cast(Any, self._kernel).overloads)
+
+    @property
+    def kept(self) -> bool:
+        """Whether machine code of the kernel is on disk."""
+        return not PURE_PYTHON and on_disk(self._kernel)
+
+    def suited(self, *arrays: np.ndarray) -> Code:
+        """Return what calls the kernel where these ``arrays`` might not be of real numbers in C's order; others are."""
+        for array in arrays:
+            if not array.flags.c_contiguous or array.dtype.char != "d":
+                return self._kernel
+        return self.call
 
     def take_over(self, other: KnownTypes) -> None:
         """Use the machine code of another call of the same kernel with arguments of the same types, if it is known."""
@@ -77,8 +92,7 @@ class KnownTypes:
 def _kinds(value: Any) -> Any:
     """Return what the type of an argument depends on."""
     if isinstance(value, np.ndarray):
-        flags = value.flags
-        return value.dtype.char, value.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
+        return value.dtype.char, value.ndim, value.flags.num & _LAYOUT
     if isinstance(value, tuple):
         return type(value), *(_kinds(item) for item in value)
     return type(value)

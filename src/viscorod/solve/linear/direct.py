@@ -42,7 +42,7 @@ class DirectSolver:
 
     def __init__(self, plan: Plan, kind: type = float) -> None:
         self._kind = kind
-        self.reduction = KnownTypes(reduce)
+        self.reduction, self._substitute = KnownTypes(reduce), KnownTypes(substitute)
         self._take(plan)
 
     def _take(self, plan: Plan) -> None:
@@ -88,7 +88,8 @@ class DirectSolver:
             rest[1] = self._sparse.transposed.address if self._sparse else 0
             substitute_transposed(*self.factors._replace(rest=rest), b.reshape(-1))
         else:
-            substitute(*self.factors, b.reshape(-1))
+            known = self._substitute.call if b.dtype == self._kind else substitute
+            known(*self.factors, b.reshape(-1))
         self.check()
         return b
 

@@ -8,31 +8,26 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
-from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
-from viscorod.solve.linear.factors import Factors
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.halved_steps import LONGER, SETTLED, HalvedSteps
-from viscorod.solve.transient.integrators import step_loop
+from viscorod.solve.transient.integrators import loop_data, step_loop
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
-from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
-    ResultFields,
-    StageFields,
     StepEnd,
 )
 from viscorod.solve.transient.integrators.stage_data import StepStart
+from viscorod.solve.transient.loop_addresses import find_addresses
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.typing import Floats
@@ -91,7 +86,7 @@ class ManySteps:
         points, supports = fields.shape[1], len(reaction)
         self._points, self._reactions = np.empty((2, 3, points, 6)), np.empty((2, supports, 6))
         predictor = integrator.predictor
-        self._state = step_loop.LoopState(
+        self._state = loop_data.LoopState(
             StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
             MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
             lent.kept,
@@ -103,7 +98,7 @@ class ManySteps:
             np.empty((s, s + 1)),
             _followed(integrator.tolerance, n),
         )
-        self._model = step_loop.LoopModel(
+        self._model = loop_data.LoopModel(
             body,
             integrator.actions.motion,
             integrator.actions.stage_loads,
@@ -111,9 +106,9 @@ class ManySteps:
             lent.reading,
             predictor.gap,
         )
-        self._systems = step_loop.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
+        self._systems = loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
         rows = MOST_ROWS
-        self._batch = step_loop.Batch(
+        self._batch = loop_data.Batch(
             np.zeros(MOST_STEPS),
             np.zeros(MOST_STEPS),
             np.zeros((3, MOST_STEPS), dtype=np.int64),
@@ -121,15 +116,15 @@ class ManySteps:
             np.zeros(rows),
             np.zeros(rows),
             np.zeros(rows, dtype=np.int64),
-            Between.of(rows + step_loop.MARKS, n, points, supports),
-            np.zeros(step_loop.MARKS, dtype=np.int64),
+            Between.of(rows + loop_data.MARKS, n, points, supports),
+            np.zeros(loop_data.MARKS, dtype=np.int64),
         )
-        self._clock, self._trials = np.zeros(step_loop.CLOCK), np.zeros(step_loop.TRIALS)
-        self._numbers = np.zeros(step_loop.NUMBERS, dtype=np.int64)
-        self._limits = np.zeros(step_loop.LIMITS)
+        self._clock, self._trials = np.zeros(loop_data.CLOCK), np.zeros(loop_data.TRIALS)
+        self._numbers = np.zeros(loop_data.NUMBERS, dtype=np.int64)
+        self._limits = np.zeros(loop_data.LIMITS)
         order = float(integrator.estimate_order + 1)
         self._follows = type(integrator.tolerance) is PartOfMotion
-        self._limits[step_loop.FOLLOWS : step_loop.LIMITS] = (
+        self._limits[loop_data.FOLLOWS : loop_data.LIMITS] = (
             LEAST_CHANGE if self._follows else 0.0,
             integrator.step_factor,
             integrator.newton_factor,
@@ -144,17 +139,25 @@ class ManySteps:
             s + 1,
             100.0,
         )
-        self._message = np.zeros(4)
         self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
-        self._addresses: step_loop.Addresses | None = None
-        self._steps, self._extent = KnownTypes(step_loop.take_steps), KnownTypes(motion_extent)
+        self._addresses: loop_data.Addresses | None = None
+        self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
 
     @classmethod
     def of(
-        cls, integrator: Integrator, control: StepControl, duration: float, output_interval: float | None
+        cls,
+        integrator: Integrator,
+        control: StepControl,
+        duration: float,
+        output_interval: float | None,
+        *,
+        long: bool,
     ) -> ManySteps | None:
-        """Return what takes many steps of an integrator under a control at once; None if nothing can."""
+        """Return what takes many steps of an integrator under a control at once; None if nothing can.
+
+        Nothing is compiled for that. Machine code on disk is loaded for a ``long`` run, or if there was one before.
+        """
         if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
             return None
         problem, systems = integrator.system.problem, integrator.systems
@@ -164,16 +167,18 @@ class ManySteps:
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
             and not len(integrator.supports.partial)
             and systems.real.plan.banded
+            and not len(integrator.tableau.exact_inside)
             and integrator.actions.content is None
             and _serves(integrator.tolerance)
-            and KnownTypes(step_loop.take_steps).ready
+            and _worth_loading(integrator, long=long)
         )
         return cls(integrator, control, duration, output_interval) if serves else None
 
     @property
     def ready(self) -> bool:
-        """Whether the next step can be taken: not the first one after a jump."""
-        return self.integrator.predictor.last is not None
+        """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
+        factors, known = self.integrator.systems.factors, self._model.parts.factors
+        return factors is known and self.integrator.predictor.last is not None
 
     def take(
         self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
@@ -190,19 +195,19 @@ class ManySteps:
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
             trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
-        numbers[step_loop.MOST] = MOST_STEPS if len(marks) <= step_loop.MARKS else marks[step_loop.MARKS] - 1
+        numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
-        batch.marks[: len(marks)] = marks[: step_loop.MARKS]
+        batch.marks[: len(marks)] = marks[: loop_data.MARKS]
         why = self._steps.call(*self._arguments(self._addressed()))
         self._finish()
-        steps = int(numbers[step_loop.STEPS])
+        steps = int(numbers[loop_data.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
         self.control.took(lengths)
         counts, limits, unknowns = batch.notes[:, :steps].tolist()
-        iterated, rejected = int(numbers[step_loop.ITERATED]), int(numbers[step_loop.REJECTED])
+        iterated, rejected = int(numbers[loop_data.ITERATED]), int(numbers[loop_data.REJECTED])
         starts = [self._began, *ends[:-1]]
         return Taken(
-            why == step_loop.BROKEN, starts, ends, lengths, counts, limits, unknowns, iterated, rejected
+            why == loop_data.BROKEN, starts, ends, lengths, counts, limits, unknowns, iterated, rejected
         )
 
     def check(self) -> None:
@@ -212,7 +217,7 @@ class ManySteps:
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
-        rows = len(self._batch.states.r) - step_loop.MARKS
+        rows = len(self._batch.states.r) - loop_data.MARKS
 
         def state(k: int) -> Snapshot:
             return self._states(slice(rows + k, rows + k + 1)).at(0)
@@ -230,16 +235,16 @@ class ManySteps:
 
     def bring(self, account: EnergyAccount) -> None:
         """Bring the energy account to the end of the steps taken."""
-        steps = int(self._numbers[step_loop.STEPS])
+        steps = int(self._numbers[loop_data.STEPS])
         account.kinetic, account.elastic, account.viscous, account.external = self._batch.accounts[
             steps
         ].tolist()
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls."""
-        self._steps.compiled(self._arguments(step_loop.Addresses._make([*[0] * 12, self._message])))
+        self._steps.compiled(self._arguments(loop_data.Addresses._make([*[0] * 12, np.zeros(4)])))
 
-    def _arguments(self, addresses: step_loop.Addresses) -> tuple[Any, ...]:
+    def _arguments(self, addresses: loop_data.Addresses) -> tuple[Any, ...]:
         return (
             self._model,
             self.integrator.tableau,
@@ -260,13 +265,13 @@ class ManySteps:
         Args:
             account: before the first of them.
         """
-        batch, rows = self._batch, int(self._numbers[step_loop.ROWS])
+        batch, rows = self._batch, int(self._numbers[loop_data.ROWS])
         if not rows:
             return None
         of_step, places = batch.of_step[:rows], batch.places[:rows]
         states = self._states(slice(rows))
         kinetic, work, loss, _ = batch.states.energies[:, :rows]
-        steps = int(self._numbers[step_loop.STEPS])
+        steps = int(self._numbers[loop_data.STEPS])
         accounts = np.zeros((steps + 1, 8))
         accounts[:, :4], accounts[:, 5:] = (
             batch.accounts[: steps + 1],
@@ -318,12 +323,15 @@ class ManySteps:
         course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
         clock[:], numbers[:] = 0.0, 0
         self._began = integrator.t
-        clock[step_loop.T], clock[step_loop.FACTOR_STEP], clock[step_loop.RATE] = course[:3]
-        clock[step_loop.LAST_STEP] = length
-        numbers[step_loop.HAVE], numbers[step_loop.FRESH] = course.have_jacobian, course.fresh_jacobian
+        clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
+        clock[loop_data.LAST_STEP] = length
+        numbers[loop_data.HAVE], numbers[loop_data.FRESH] = course.have_jacobian, course.fresh_jacobian
         limits = self._limits
-        limits[step_loop.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
-        limits[step_loop.NEWTON] = integrator.newton_tolerance
+        limits[loop_data.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
+        limits[loop_data.NEWTON] = integrator.newton_tolerance
+        if isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.start is not None:
+            follows, begun = self._state.follows, integrator.tolerance.start
+            follows.r[:], follows.q[:] = begun.r, begun.q
         batch.notes[0], batch.states.energies[3] = 0, 0.0
         batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
 
@@ -334,109 +342,35 @@ class ManySteps:
         now, old = (
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
         )
-        t, factor_step, rate = clock[: step_loop.LAST_STEP].tolist()
-        have, fresh = (bool(numbers[k]) for k in (step_loop.HAVE, step_loop.FRESH))
-        evaluations, factorisations = numbers[step_loop.EVALUATED : step_loop.NUMBERS].tolist()
+        t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
+        have, fresh = (bool(numbers[k]) for k in (loop_data.HAVE, loop_data.FRESH))
+        evaluations, factorisations = numbers[loop_data.EVALUATED : loop_data.NUMBERS].tolist()
         moved = t > self._began
         course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
         self.integrator.take_back(now, course)
-        self.integrator.newton_tolerance = float(self._limits[step_loop.NEWTON])
+        self.integrator.newton_tolerance = float(self._limits[loop_data.NEWTON])
         if moved:
             end = StepEnd(*(field.copy() for field in given.end))
             start = old, self._points[0].copy(), self._reactions[0].copy()
-            h, _, *energies, strain = clock[step_loop.LAST_STEP :].tolist()
+            h, _, *energies, strain = clock[loop_data.LAST_STEP :].tolist()
             kinetic, elastic, work, loss = energies
             self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
 
-    def _addressed(self) -> step_loop.Addresses:
+    def _addressed(self) -> loop_data.Addresses:
         """Return where everything is; loads are asked for if they change before the corner."""
         if self._addresses is None:
-            self._addresses = self._find_addresses()
+            self._addresses = find_addresses(
+                self.integrator,
+                self._model,
+                self._state,
+                self._systems,
+                self._batch.states,
+                self._renew.address,
+                self._prepare.address,
+            )
         integrator = self.integrator
         still = not integrator.supports.moving and integrator.actions.loads.steady_after(integrator.t)
         return self._addresses._replace(prepare=0 if still else self._prepare.address)
-
-    def _find_addresses(self) -> step_loop.Addresses:
-        integrator, given, model, systems = self.integrator, self._state, self._model, self._systems
-        body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
-        K, C, mass, _, directions, _ = integrator.matrices
-        real, pairs, real_rows, pair_rows, scales = integrator.systems.factors
-        now, old, reading, found, h = given.now, given.last, model.reading, self._batch.states, 1.0
-        where = body.supports, directions, body.pattern, scales
-        sides = now.r, now.q, body.split, body.held
-        last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
-        begin = ResultFields(self._points[0], self._reactions[0])
-        account, target = integrator.account, integrator.actions.motion.target
-        at_stages = StageFields(
-            stages.twist,
-            stages.strain,
-            stages.strain_rate,
-            stages.stress,
-            given.end.reactions,
-            account.powers,
-        )
-        reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
-        places = integrator.systems.real.places
-        return step_loop.Addresses(
-            address_of(integrator.trying, step_loop.ATTEMPTED, lambda: integrator.step_arguments(h)),
-            address_of(
-                integrator.systems.real.reduction,
-                step_loop.NUMBER,
-                lambda: (systems.real, *places, *_factored(real)),
-            ),
-            address_of(
-                integrator.systems.pairs.reduction,
-                step_loop.NUMBER,
-                lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
-            ),
-            address_of(
-                integrator.systems.combination,
-                step_loop.NOTHING,
-                lambda: (K, C, mass, h, *where, real_rows, systems.real),
-            ),
-            address_of(
-                integrator.systems.pair_combination,
-                step_loop.NOTHING,
-                lambda: (K, C, mass, complex(h), *where, pair_rows[0], systems.pairs[0]),
-            ),
-            address_of(
-                integrator.predictor.extrapolation,
-                step_loop.NOTHING,
-                lambda: (tableau, model.gap, last, h, *sides, given.weights, stages.X, given.stages_stress),
-            ),
-            address_of(integrator.turned, step_loop.TURNED, lambda: (stages.X[0],)),
-            address_of(
-                self._extent,
-                step_loop.EXTENT,
-                lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
-            ),
-            address_of(
-                integrator.recorder.ending,
-                step_loop.ENDED,
-                lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
-            ),
-            address_of(
-                integrator.recorder.reading_between,
-                step_loop.NOTHING,
-                lambda: (
-                    np.zeros(1),
-                    h,
-                    tableau,
-                    old,
-                    reached,
-                    begin,
-                    at_stages,
-                    h,
-                    reading,
-                    True,
-                    True,
-                    found,
-                ),
-            ),
-            self._renew.address,
-            self._prepare.address,
-            self._message,
-        )
 
     def _call_renew(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
@@ -447,11 +381,10 @@ class ManySteps:
         self.integrator.prepare_step(float(message[1]), bool(message[2]))
 
 
-def _followed(tolerance: Tolerance, nodes: int) -> step_loop.Follows:
+def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
     """Return what a tolerance follows, if it follows anything."""
-    if isinstance(tolerance, PartOfMotion) and tolerance.start is not None:
-        return step_loop.Follows(tolerance.numbers, tolerance.start.r, tolerance.start.q)
-    return step_loop.Follows(np.zeros(amplitude.COUNT), np.zeros((nodes, 3)), np.zeros((nodes, 4)))
+    numbers = tolerance.numbers if isinstance(tolerance, PartOfMotion) else np.zeros(amplitude.COUNT)
+    return loop_data.Follows(numbers, np.zeros((nodes, 3)), np.zeros((nodes, 4)))
 
 
 def _serves(tolerance: Tolerance) -> bool:
@@ -459,12 +392,7 @@ def _serves(tolerance: Tolerance) -> bool:
     return follows or type(tolerance) is GivenTolerance
 
 
-def _factored(factors: Factors) -> tuple[object, ...]:
-    """Return what a factorisation takes of factors."""
-    return factors.values, factors.fronts, factors.integers, factors.groups, factors.rest
-
-
-def _first(factors: Factors) -> Factors:
-    """Return the factors of the first matrix of a stack."""
-    values, fronts, vector, integers, rows, groups, members, rest = factors
-    return Factors(values[0], fronts[0], vector, integers[0], rows, groups, members, rest[0])
+def _worth_loading(integrator: Radau, *, long: bool) -> bool:
+    """Return whether the loop is there; from disk it takes as long as it saves in some hundred steps."""
+    known = KnownTypes(step_loop.take_steps)
+    return known.loaded or ((long or integrator.trying.loaded) and known.kept)

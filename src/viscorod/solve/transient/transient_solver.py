@@ -28,6 +28,9 @@ MOST_NOTES = 20
 AT_ONCE = 32
 """States within one step that are in memory at once."""
 
+LONG = 300
+"""Steps after which a run counts as a long one."""
+
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
 
@@ -194,9 +197,7 @@ class Transient:
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
         account.branches = np.zeros(len(self.problem.relaxation_times))
-        plain = self._patient and not self.watch.monitors and math.isfinite(self.duration)
-        if self.many is None and plain:
-            self.many = ManySteps.of(integrator, self.control, self.duration, self.output_interval)
+        self._look_for_many(long=False)
         if record:
             self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
             self.watch.begin(0.0, integrator.snapshot())
@@ -207,9 +208,17 @@ class Transient:
         while integrator.t < corner:
             if not self._take_one(corner):
                 return False
+            if self.many is None and self.effort.steps == LONG:
+                self._look_for_many(long=True)
             if self.many is not None and integrator.t < corner and not self._take_many(self.many):
                 return False
         return True
+
+    def _look_for_many(self, *, long: bool) -> None:
+        """See whether many steps can be taken at once."""
+        if self._patient and not self.watch.monitors and math.isfinite(self.duration):
+            given = self.duration, self.output_interval
+            self.many = ManySteps.of(self.integrator, self.control, *given, long=long)
 
     def _take_one(self, corner: float) -> bool:
         """Try one step; False if the run ends."""
