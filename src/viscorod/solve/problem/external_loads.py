@@ -278,7 +278,7 @@ class ExternalLoads:
             self.motion,
             places,
             pushes=pushes,
-            sees_motion=bool(places.any()),
+            sees_motion=len(places) > 0 and bool(places.any()),
             laws=self.laws,
         )
 

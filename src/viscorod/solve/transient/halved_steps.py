@@ -99,11 +99,15 @@ class HalvedSteps:
 
     def prepare(self, number: int, integrator: Integrator, h: float) -> None:
         """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
-        trials = self.trials
-        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
-        if not self._kept and (number == trials.next or longer):
+        if not self._kept and self.tries(number, h):
             self._kept = True
             hand_over(integrator, self.twin)
+
+    def tries(self, number: int, h: float) -> bool:
+        """Return whether a step of ``h`` [s] is one to be tried again, by its number."""
+        trials = self.trials
+        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
+        return number == trials.next or longer
 
     @property
     def waiting(self) -> bool:

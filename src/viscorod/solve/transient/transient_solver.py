@@ -275,23 +275,24 @@ class Transient:
 
     def _take_many(self, many: ManySteps) -> bool:
         """Take compiled steps until one is to be taken by itself; False if the run ends."""
-        effort, halved, notes = self.effort, self.halved, self._notes
-        if not many.ready or (halved is not None and halved.waiting):
+        effort, halved, notes, t = self.effort, self.halved, self._notes, self.integrator.t
+        if not many.ready:
+            return True
+        tried = halved is not None and halved.tries(effort.steps, self.control.next_end(t) - t)
+        if tried or (halved is not None and halved.waiting):
             return True
         before, after = self.account, self.account.copy()
         marks = [] if notes is None else notes.coming(MOST_STEPS)
         taken = many.take(effort.steps, marks, halved, before)
         effort.iterations += taken.iterated
         effort.rejected += taken.rejected
-        for k, (end, h) in enumerate(zip(taken.ends, taken.lengths, strict=True)):
+        for k, h in enumerate(taken.lengths):
             if halved is not None:
                 halved.passed(effort.steps, h)
             effort.steps += 1
             if h < effort.smallest_step:
                 effort.smallest_step, effort.smallest_at = h, taken.starts[k]
                 effort.smallest_why = self._limit_in_words(many.limit(taken, k), many.report(taken, k))
-            if self._progress is not None:
-                self._progress(end, h)
         if taken.ends:
             self.result.report = many.report(taken, len(taken.ends) - 1)
             records = many.records(before)
@@ -306,6 +307,9 @@ class Transient:
                     seen = count
                 if seen < len(taken.ends):
                     notes.passed(len(taken.ends) - seen, self.integrator.t, self.integrator.snapshot)
+        if self._progress is not None:  # which may end the run: states are recorded by now
+            for end, h in zip(taken.ends, taken.lengths, strict=True):
+                self._progress(end, h)
         many.check()
         if taken.broken:
             self.result.outcome, self.result.failed_at = Outcome.BROKEN, self.integrator.t
