@@ -21,6 +21,7 @@ WORDS = {
     "cli": "commands",
     "analyses": "discretised model, settings -> result",
     "pictures": "plots, films, the page",
+    "records": "measurements: read, compared, taken apart",
     "results": "one data set, reports, files",
     "casefile": "TOML, units, schema",
     "programs": "damping in other programs",

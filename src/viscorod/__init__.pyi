@@ -2,6 +2,8 @@
 
 from . import programs as programs
 from .analyses.co_simulation import CoSimulation as CoSimulation
+from .analyses.ensemble import ensemble as ensemble
+from .analyses.identify import identify as identify
 from .analyses.kelvin_voigt_fit import KelvinVoigtFit as KelvinVoigtFit
 from .analyses.kelvin_voigt_fit import kelvin_voigt_fit as kelvin_voigt_fit
 from .analyses.model import Model as Model
@@ -89,19 +91,26 @@ from .records.other_records import ModesRecord as ModesRecord
 from .records.other_records import ModuliRecord as ModuliRecord
 from .records.other_records import ResponseRecord as ResponseRecord
 from .records.other_records import StaticRecord as StaticRecord
+from .records.pole_fit import modal_fit as modal_fit
 from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell
 from .results.campbell import CriticalSpeed as CriticalSpeed
 from .results.decay_result import Decay as Decay
 from .results.decrement import Decrement as Decrement
+from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
+from .results.ensemble import Ensemble as Ensemble
 from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
+from .results.identification import Identification as Identification
+from .results.identification import Law as Law
+from .results.identification import Number as Number
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.master_curve_result import MasterCurve as MasterCurve
+from .results.modal_fit_result import ModalFit as ModalFit
 from .results.modes_result import Modes as Modes
 from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem

@@ -99,13 +99,18 @@ class Interrupt:
         sys.settrace(None)
 
     def _call(self, frame, event, argument):
-        return self._line if any(part in frame.f_code.co_filename for part in self.PARTS) else None
+        return self._line if _inside(frame.f_code.co_filename) else None
 
     def _line(self, frame, event, argument):
         self.count += 1
         if self.count == self.number:
             raise KeyboardInterrupt
         return self._line
+
+
+@functools.cache  # asked at every call of a traced run
+def _inside(source):
+    return any(part in source for part in Interrupt.PARTS)
 
 
 def gone_on(folder):

@@ -12,7 +12,7 @@ from honesty.random_models import by_default, random_trial
 
 SEEDS = {
     "equilibrium": (2, 3, 8, 11, 12, 18, 20, 22, 24, 25),
-    "modes": (0, 6, 7, 15, 16, 19),
+    "modes": (0, 6, 7, 15, 19, 26),
     "simulate": (5, 9),
     "steady": (4, 10),
 }

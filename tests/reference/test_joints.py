@@ -397,7 +397,7 @@ def test_order_of_convergence(name, order):
         model.velocity("one", angular=(0, 0, 2.0), point=(0, 0, 0))
         model.velocity("two", angular=(0, 0, 2.0), point=(0, 0, 0))
         motion = Motion(
-            model, 0.6, initial="reference", output_interval=0.6, time_step=h, integrator=method, **more
+            model, 0.24, initial="reference", output_interval=0.24, time_step=h, integrator=method, **more
         )
         force = np.array([motion.joint("ball", w)[2][-1] for w in ("ux", "uy", "uz")])
         return motion.body("two")[-1], force

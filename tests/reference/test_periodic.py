@@ -1,5 +1,8 @@
 """Periodic motions against frequency responses, poles, Mathieu's equation and long time integrations."""
 
+import re
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 from scipy.integrate import cumulative_simpson, simpson, solve_ivp
@@ -7,9 +10,12 @@ from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
 
 import viscorod as vr
+import viscorod.analyses.periodic as analysis
 from viscorod.analyses.case_run import as_model, run_case
 from viscorod.casefile.case import load_case
 from viscorod.casefile.shipped import shipped_case
+from viscorod.solve.linear_systems.measured_moduli import of_law_in_place
+from viscorod.solve.periodic import floquet, orbit_matrix
 
 LENGTH, WIDTH, HEIGHT = 0.4, 0.025, 0.003
 
@@ -149,7 +155,7 @@ def test_motion_is_that_to_which_a_simulation_settles():
     np.testing.assert_allclose(swing(29.0 / hertz + times), course, atol=1e-4 * np.abs(course).max())
 
 
-def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_says():
+def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_says(monkeypatch):
     """One mode, x'' + 2 z w x' + w^2 (1 - e cos W t) x = 0: where its multiplier passes -1, integrated apart.
 
     The force is quasi-static along the column up to (W/axial frequency)^2 = 3e-4 of it.
@@ -171,6 +177,12 @@ def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_s
 
     exact = [brentq(growth, 0.93, 0.98), brentq(growth, 1.02, 1.07)]
     hertz = w / np.pi
+    checked, real = [], analysis.multipliers_with_more_harmonics
+    monkeypatch.setattr(
+        analysis,
+        "multipliers_with_more_harmonics",
+        lambda *given: checked.append((given[-1], real(*given))) or checked[-1][1],
+    )
     found = model.periodic(
         inputs="beam.end fx",
         amplitudes=[part * euler],
@@ -183,6 +195,25 @@ def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_s
     at = [found.frequencies[k] / hertz for k, _ in found.bifurcations]
     np.testing.assert_allclose(at, exact, atol=2e-4)
     assert np.abs(found.multipliers[:, 0]).max() == pytest.approx(1.0 + growth(1.0), abs=5e-3)
+    assert [harmonics for harmonics, _ in checked] == [6, 6]
+    for _, more in checked:
+        assert np.abs(more + 1.0).min() < 1e-3
+    assert not [text for text in found.warnings if "not sure" in text]
+    for better, told in (
+        (1.01 * checked[0][1], "not sure: the multiplier"),
+        (None, "no motion was found there"),
+    ):
+        monkeypatch.setattr(analysis, "multipliers_with_more_harmonics", lambda *_, better=better: better)
+        record = analysis._Record(SimpleNamespace(fourier=SimpleNamespace(harmonics=3)), None)
+        setting = SimpleNamespace(omega=2.0 * np.pi * hertz)
+        point = SimpleNamespace(
+            orbit=None,
+            setting=setting,
+            bifurcation="period doubling",
+            multipliers=found.multipliers[found.bifurcations[0][0]],
+        )
+        record.check(point)
+        assert told in record.notes[0]
 
 
 def stretched_duffing():
@@ -310,3 +341,68 @@ def test_what_periodic_motions_do_not_know_is_refused_by_name():
     spinning.body_velocity("beam.start", ("v1", "v2", "v3", "w1", "w2", "w3"))
     with pytest.raises(vr.InputError, match="velocities along axes of the section"):
         spinning.periodic(inputs="beam.end fz", **drive)
+
+
+@pytest.mark.parametrize(
+    ("model", "source", "size", "output"),
+    [
+        (pinned(damping=PRONY), "beam@0.2 fz", 0.5, "beam@0.2 uz"),
+        (hinged(), "two.end fz", 1e-2, "two.end uz"),
+    ],
+    ids=["Maxwell branches and partial supports", "hinge, held strains, gravity and drag"],
+)
+def test_sparse_and_dense_matrices_are_one(monkeypatch, model, source, size, output):
+    """The matrix of an orbit is the same whether it is stored by blocks or whole."""
+    found = []
+    for most in (2500, 0):
+        monkeypatch.setattr(orbit_matrix, "DENSE", most)
+        found.append(
+            model.periodic(
+                inputs=source,
+                amplitudes=[size],
+                outputs=[output],
+                frequencies=[12.0, 13.0],
+                harmonics=2,
+                points=2,
+            )
+        )
+    dense, blocks = found
+    assert blocks.amplitude(0) == pytest.approx(dense.amplitude(0), rel=1e-9)
+    assert blocks.frequencies == pytest.approx(dense.frequencies, rel=1e-9)
+
+
+def test_large_models_have_no_multipliers_and_say_so(monkeypatch):
+    monkeypatch.setattr(floquet, "MOST", 5)
+    given = {
+        "inputs": "beam.end fz",
+        "amplitudes": [1e-3],
+        "outputs": ["beam.end uz"],
+        "frequencies": [12.0, 13.0],
+    }
+    with pytest.raises(vr.InputError, match=r"stability: true.*give stability = false, or fewer elements"):
+        cantilever().periodic(**given, harmonics=2, points=2)
+    found = cantilever().periodic(**given, harmonics=2, points=2, stability=False)
+    assert found.multipliers.shape[1] == 0
+
+
+def test_what_a_law_lacks_of_a_table_is_told():
+    """Kelvin and Voigt's E (1 + i w t) in place of E (1 + i eta): |w t - eta|/sqrt(1 + eta^2) of it where E is one."""
+    eta, hertz = 0.05, 25.0
+    table = vr.ComplexModuli(frequency=[0.1, 1e4], storage=[70e9, 70e9], tan_delta=[eta, eta])
+    model = vr.Model()
+    material = vr.Material(density=2700.0, poissons_ratio=0.33, damping=table)
+    section = vr.Rectangle(WIDTH, HEIGHT)
+    model.add("beam", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=section, material=material))
+    (text,) = of_law_in_place(model, hertz, hertz)
+    told = float(re.search(r"up to (\S+) of it", text)[1])
+    law = material.youngs_modulus * (1.0 + 2j * np.pi * hertz * material.extensional_time)
+    assert told == pytest.approx(abs(law / (70e9 * (1.0 + 1j * eta)) - 1.0), rel=0.05)
+    assert "was not compared" in of_law_in_place(model, 2e4, 3e4)[0]
+
+
+def test_a_law_of_branches_is_as_near_to_a_loss_factor_as_it_says():
+    eta, within = 0.05, 0.02
+    damping = vr.LossFactor(extension=eta, band=(1.0, 100.0), within=within)
+    (text,) = of_law_in_place(cantilever(damping=damping), 2.0, 50.0)
+    assert 0.0 < float(re.search(r"up to (\S+) of it", text)[1]) < 2.0 * eta
+    assert not of_law_in_place(cantilever(), 2.0, 50.0)  # Kelvin and Voigt's law is what was given

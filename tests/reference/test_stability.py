@@ -203,6 +203,43 @@ def test_a_reason_to_stop_is_told(name, analysis, given):
     """Analyses along a parameter ask ``stop`` in their iterations, and end with its reason."""
     model = load_case(shipped_case(name)).model(vr.Model)
     asked = itertools.count()
-    with pytest.raises(vr.SolveError, match=r"enough|was stopped"):
+    with pytest.raises(vr.SolveError, match="enough"):
         getattr(model, analysis)(**given, stop=lambda: "enough" if next(asked) > 1 else "")
     assert next(asked) > 2
+
+
+@pytest.mark.parametrize(
+    ("name", "analysis", "given", "kept"),
+    [
+        ("becks_column", "stability", {"load_factors": [1.0, 2.0, 3.0, 4.0], "modes": 2}, "values"),
+        ("whirling_shaft", "campbell", {"axis": (1, 0, 0), "speeds": [1.0, 2.0, 3.0], "modes": 2}, "values"),
+        ("tall_rod", "buckling", {"count": 3}, "load_factors"),
+    ],
+)
+def test_what_was_found_before_a_stop_is_kept(tmp_path, name, analysis, given, kept):
+    """The part that was done is the beginning of the whole, is told along its way, and says that it is a part."""
+    model = load_case(shipped_case(name)).model(vr.Model)
+    told, limits = [], {"buckling": 1.02}  # its first two critical loads are at 1.0177
+    most = limits.get(analysis, 2.0)
+    with pytest.raises(vr.SolveError, match="enough") as caught:
+        getattr(model, analysis)(
+            **given,
+            progress=lambda reached, step: told.append(reached),
+            stop=lambda: "enough" if told and told[-1] >= most else "",
+        )
+    part, whole = caught.value.run, getattr(model, analysis)(**given)
+    assert told == sorted(told)
+    mine, all_of_it = getattr(part, kept), getattr(whole, kept)
+    assert len(mine) == 2
+    assert mine == pytest.approx(all_of_it[:2], rel=1e-9)
+    assert part.outcome not in ("completed", whole.outcome)
+    assert vr.load(part.save(tmp_path / "part.nc")).report() == part.report()
+    assert "not all that was asked for" in part.report() or "ended before" in part.report()
+
+
+def test_a_campbell_diagram_without_limits_is_read_again(tmp_path):
+    """Lists of no texts come back from a file."""
+    model = load_case(shipped_case("whirling_shaft")).model(vr.Model)
+    found = model.campbell((1, 0, 0), speeds=[1.0, 2.0], modes=2)
+    assert not found.limits
+    assert not vr.load(found.save(tmp_path / "campbell.nc")).limits

@@ -43,6 +43,19 @@ def test_the_second_waits_and_reads(pair):
     assert first.load_overload("f4", None) == "more"
 
 
+def test_signatures_are_claimed_apart(pair):
+    """Variants of one kernel are compiled beside each other; both are kept."""
+    first, second = pair
+    assert first.load_overload("f8", None) is None
+    assert second.load_overload("f4", None) is None
+    second.save_overload("f4", "more")
+    first.save_overload("f8", "code")
+    assert [cache.load_overload(word, None) for cache in pair for word in ("f4", "f8")] == [
+        "more",
+        "code",
+    ] * 2
+
+
 def test_patience_ends(pair, monkeypatch):
     monkeypatch.setattr(claims, "PATIENCE", 0.05)
     first, second = pair

@@ -18,9 +18,10 @@ from helpers.synthetic_results import rolled_up, swing
 from viscorod.casefile.shipped import shipped_case
 from viscorod.casefile.units import Conversion
 from viscorod.cli.app import app
-from viscorod.cli.progress import TIME, reporting
+from viscorod.cli.progress import reporting
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.validity import Condition, Validity
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings
 
@@ -216,7 +217,7 @@ def test_example_lists_and_copies(invoke, tmp_path):
 def test_progress_on_a_terminal_is_a_bar(monkeypatch, capsys):
     monkeypatch.setattr("sys.stderr.isatty", lambda: True)
     monkeypatch.setenv("FORCE_COLOR", "1")
-    with reporting(2.0, TIME) as progress:
+    with reporting(Course("t", " s", 0.0, 2.0)) as progress:
         for step in range(1, 21):
             progress(0.1 * step, 0.1)
     shown = capsys.readouterr()

@@ -29,7 +29,7 @@ LAW = vr.CubicBending(2.0, 0.03)
 FRAMES = {
     "orders 2 and 3": lambda: Moved(frame()),
     "orders 1 and 4": lambda: Moved(frame((1, 4))),
-    "orders 5 and 5": lambda: Moved(frame((5, 5))),
+    "high orders": lambda: Moved(frame((5, 5))),
     "undamped": lambda: Moved(frame(damping=0.0)),
     "no offset": lambda: Moved(frame((3, 2)), offset=0.0),
     "closed": lambda: Moved(closed()),

@@ -10,7 +10,7 @@ from viscorod.records.damped_sines import fit_sines, pencil_poles
 from viscorod.results.run import Run
 
 FREQUENCY, RATIO = 2.0, 0.03
-TIMES = np.arange(300) * 0.025
+TIMES = np.arange(200) * 0.025
 
 
 def sine(times, frequency=FREQUENCY, ratio=RATIO, amplitude=1.0, phase=0.4):
@@ -22,25 +22,25 @@ def sine(times, frequency=FREQUENCY, ratio=RATIO, amplitude=1.0, phase=0.4):
 
 
 def test_intervals_of_noisy_decays_hold():
-    """95 % intervals of 300 decays contain the truth 95 % of the time, within three binomial standard deviations."""
+    """95 % intervals of 200 decays contain the truth 95 % of the time, within three binomial standard deviations."""
     rng = np.random.default_rng(4)
     start = np.array([2j * np.pi * FREQUENCY * 1.01 - 0.5])
     inside, ratios, widths = [], [], []
-    for _ in range(300):
+    for _ in range(200):
         fit = fit_sines(TIMES, sine(TIMES) + 0.2 + rng.normal(0.0, 0.05, len(TIMES)), start)
         (f,), (z,), (df,), (dz,) = fit.ratios()
         inside.append([abs(f - FREQUENCY) < 1.968 * df, abs(z - RATIO) < 1.968 * dz])
         ratios.append(z)
         widths.append(dz)
-    assert np.mean(inside, axis=0) == pytest.approx([0.95, 0.95], abs=0.038)
+    assert np.mean(inside, axis=0) == pytest.approx([0.95, 0.95], abs=0.046)
     # and they are no wider than the scatter of the ratios
-    assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.12)
+    assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.15)
 
 
 def test_least_squares_scatters_less_than_the_matrix_pencil():
     rng = np.random.default_rng(5)
     off = []
-    for _ in range(60):
+    for _ in range(40):
         noisy = sine(TIMES) + rng.normal(0.0, 0.1, len(TIMES))
         start = pencil_poles(TIMES, noisy, 1)
         fit = fit_sines(TIMES, noisy, start)
@@ -54,7 +54,7 @@ def test_correlated_noise_widens_intervals():
     rng = np.random.default_rng(6)
     times = np.arange(600) * 0.0125
     inside, wide = [], []
-    for _ in range(80):
+    for _ in range(50):
         noise = np.zeros(len(times))
         for k, kick in enumerate(rng.normal(0.0, 0.02, len(times))):
             noise[k] = 0.9 * noise[k - 1] + kick
@@ -111,7 +111,7 @@ def test_ratio_that_depends_on_amplitude_is_told():
 
 DOUBTS = {
     "clipped": (
-        np.arange(300) * 0.01,
+        np.arange(200) * 0.01,
         lambda t: np.clip(sine(t, ratio=0.01), -0.8, 0.8),
         "the record is clipped",
     ),
@@ -147,6 +147,8 @@ def test_decay_of_a_run_saved_and_drawn(tmp_path):
     again = vr.load(found.save(tmp_path / "decay.nc"))
     assert again.report() == found.report()
     assert again.plot(tmp_path / "decay.png").stat().st_size > 10_000
+    with pytest.raises(vr.InputError, match="a free decay has no page in the browser"):
+        vr.view(again, tmp_path / "decay.html")
 
 
 def test_command(tmp_path, capsys):

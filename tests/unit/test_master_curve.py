@@ -5,11 +5,11 @@ import pytest
 
 import viscorod as vr
 from viscorod.cli.app import app
-from viscorod.model.materials.sweeps import DmaTable
+from viscorod.model.materials.sweeps import DmaTable, tidied
 
-TIMES = 10.0 ** np.arange(-8.0, 7.0)
+TIMES = 10.0 ** np.arange(-12.0, 7.0, 0.4)
 TRUTH = vr.RelaxationModulus(
-    3e6, tuple(3e8 * np.exp(-0.5 * ((np.log10(TIMES) + 1.0) / 2.5) ** 2)), tuple(TIMES)
+    3e6, tuple(1.2e8 * np.exp(-0.5 * ((np.log10(TIMES) + 1.0) / 2.5) ** 2)), tuple(TIMES)
 )
 C1, C2, REFERENCE = 12.0, 70.0, 60.0
 CELSIUS = np.arange(40.0, 91.0, 7.0) - 1.0  # 60 is one of them
@@ -56,15 +56,15 @@ def test_shifts_are_found_within_their_intervals(master):
 
 
 def test_intervals_of_shifts_hold():
-    """Of 12 data sets with 7 shifts each: 84 intervals; 95 % hold, within three binomial standard deviations."""
+    """Of 6 data sets with 7 shifts each: 42 intervals; 95 % hold, within three binomial standard deviations."""
     inside = []
-    for seed in range(12):
+    for seed in range(6):
         found = vr.master_curve(sweeps(seed, lifted=False), reference=60.0, vertical=False)
         width = found.data.log_shift_width.values
         free = width > 0.0
         inside += list(np.abs(found.log_shifts - law(CELSIUS))[free] < width[free])
-    assert len(inside) == 84
-    assert np.mean(inside) > 0.95 - 3.0 * np.sqrt(0.95 * 0.05 / 84)
+    assert len(inside) == 42
+    assert np.mean(inside) > 0.95 - 3.0 * np.sqrt(0.95 * 0.05 / 42)
 
 
 def test_law_of_wlf_with_intervals(master):
@@ -134,3 +134,30 @@ def test_what_cannot_be_laid_over_each_other_is_told():
         vr.master_curve(sweeps(3), reference=300.0)
     far = [one for one in sweeps(3) if one[0] not in (46.0, 53.0, 60.0)]
     assert any("no level in common" in text for text in vr.master_curve(far).warnings)
+
+
+def test_the_instruments_resonance_is_left_out():
+    """A loss modulus that stands up at the highest frequency of every sweep, as the instrument's inertia makes it."""
+    off = []
+    for celsius, one in sweeps(1):
+        loss = one.loss.copy()
+        loss[-1] *= 1.5
+        off.append((celsius, tidied(one.omega, one.storage, loss)))
+    found = vr.master_curve(off, reference=60.0)
+    assert any(
+        "30 Hz is off what its neighbours lead to expect in 8 of 8 sweeps" in text for text in found.warnings
+    )
+    assert found.data.sizes["point"] == 8 * 7
+    width = found.data.log_shift_width.values
+    assert (np.abs(found.log_shifts - law(CELSIUS))[width > 0.0] < 2.0 * width[width > 0.0]).all()
+
+
+def test_sweeps_far_apart():
+    """Steps of 14 K leave gaps at the cold end: those shifts are told to be a guess, the others are right."""
+    apart = [one for one in sweeps(5, lifted=False) if round(one[0] - 39.0) % 14 == 7]
+    cold = 25.0
+    modulus = TRUTH.shifted(10.0 ** law(cold)).complex_modulus(2.0 * np.pi * HERTZ)
+    apart = [(cold, DmaTable(2.0 * np.pi * HERTZ, modulus.real, modulus.imag)), *apart]
+    found = vr.master_curve(apart, reference=60.0, vertical=False)
+    assert any("the moduli at 25" in text and "no level in common" in text for text in found.warnings)
+    assert found.log_shifts[2:] == pytest.approx(law(np.array([60.0, 74.0, 88.0])), abs=0.3)

@@ -75,7 +75,7 @@ def test_modes_are_a_result_like_others(tmp_path):
     assert "1: bend_1 1" in found.report()
     assert found.plot(tmp_path / "modes.png", 2).stat().st_size > 10_000
     meta, data = parts(vr.view(found, tmp_path / "modes.html").read_text(encoding="utf-8"))
-    told = [(one["name"], one["frequency"], one["damping"]) for one in meta["modes"]]
+    told = [(one["name"], *one["cells"]) for one in meta["modes"]]
     assert told == list(zip(found.names, found.frequencies, found.damping_ratios, strict=True))
     positions, half = array(meta, data, "positions")
     second = meta["modes"][1]

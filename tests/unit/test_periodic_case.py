@@ -27,14 +27,10 @@ def test_command_writes_curve_table_and_pictures(short, tmp_path):
     found = vr.load(tmp_path / "out" / "periodic.nc")
     assert found.outcome == "points"
     assert found.title == "Clamped strip that hardens"
-    refused = CliRunner().invoke(app, ["view", str(tmp_path / "out" / "periodic.nc")])
-    assert refused.exit_code == 2
-    assert "curve of periodic motions" in refused.output
+    viewed = CliRunner().invoke(app, ["view", str(tmp_path / "out" / "periodic.nc")])
+    assert viewed.exit_code == 0, viewed.output
     assert CliRunner().invoke(app, ["response", str(case)]).exit_code == 2
 
 
-def test_case_comes_back_and_is_not_swept(short):
-    case = parse_case(short)
-    assert parse_case(short).settings == case.settings
-    with pytest.raises(vr.InputError, match="sweeps are of motions"):
-        vr.sweep(case, {"rods.beam.elements": [1, 2]})
+def test_case_comes_back(short):
+    assert parse_case(short).settings == parse_case(short).settings

@@ -7,13 +7,14 @@ from types import SimpleNamespace
 import pytest
 
 from viscorod.cli import progress
+from viscorod.solve.settings.course import Course
 
 
 def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
     """A minute of preparation, then a second per step: the estimate counts the steps alone."""
     clock = iter([60.0 + k for k in range(1, 11)])
     monkeypatch.setattr(progress, "time", SimpleNamespace(monotonic=lambda: next(clock)))
-    with progress.reporting(10.0, progress.TIME) as report:
+    with progress.reporting(Course("t", " s", 0.0, 10.0)) as report:
         for k in range(1, 11):
             report(float(k), 1.0)
     lines = capsys.readouterr().err.splitlines()
@@ -25,6 +26,18 @@ def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
 
 @pytest.mark.parametrize("total", [1.0, 3.0])
 def test_one_step_has_no_estimate(capsys, total):
-    with progress.reporting(total, progress.LOAD) as report:
+    with progress.reporting(Course("load", "", 0.0, total)) as report:
         report(total, total)
     assert capsys.readouterr().err == f"load = {total:g} of {total:g}, step {total:.3g}\n"
+
+
+def test_curves_that_fall_or_have_no_known_end(capsys):
+    """A curve may lead from high to low; where nobody knows its end there is nothing to be a part of."""
+    with progress.reporting(Course("f", " Hz", 30.0, 10.0)) as report:
+        report(30.0, 0.0)
+        report(20.0, 10.0)
+        report(26.0, 6.0)  # back, behind a fold
+    assert capsys.readouterr().err.startswith("f = 20 of 10 Hz, step 10 Hz")
+    with progress.reporting(Course("load", "", 0.0, None)) as report:
+        report(3.0, 1.0)
+    assert not capsys.readouterr().err

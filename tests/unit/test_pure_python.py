@@ -12,6 +12,7 @@ import viscorod as vr
 from helpers.small_frame import Moved, section
 from viscorod.mechanics.compilation.compiled import KERNELS, announce_compilation
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
+from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.solve.problem.external_loads import ExternalLoads
 
 
@@ -62,3 +63,20 @@ def test_warmup_has_nothing_to_compile():
 
 if __name__ == "__main__":
     np.savez(sys.argv[1], *numbers(), kernels=len(KERNELS))
+
+
+def test_a_kernel_that_only_motions_need_is_announced_by_these(monkeypatch):
+    """An equilibrium of Maxwell branches never compiles ``remember``, and does not say so every time."""
+    said = []
+    monkeypatch.setattr("viscorod.analyses.discrete.announce_formulation", said.append)
+    monkeypatch.setattr("viscorod.analyses.motion.announce_formulation", said.append)
+    model = vr.Model()
+    damping = vr.Prony(shear_ratios=[0.3], shear_times=[0.1], constant="bulk_modulus")
+    rubber = vr.Material(1e6, 0.45, 1100.0, damping=damping)
+    rod = vr.Rod.straight((0, 0, 0), (0, 0, 0.1), section=vr.Circle(0.01), material=rubber, elements=1)
+    model.add("rod", rod)
+    model.clamp("rod.start")
+    model.equilibrium()
+    assert not said
+    model.simulate(1e-3)
+    assert said == [remember]

@@ -160,6 +160,13 @@ TEXT = {
 }
 
 
+TEXT["LabVIEW"] = (
+    "LabVIEW Measurement\t\nSeparator\tTab\nTime\t10:11:12.3\n***End_of_Header***\t\n\t\nChannels\t1\t\n"
+    "Y_Unit_Label\tmm\t\nX_Dimension\tTime\t\nDelta_X\t0.1\t\n***End_of_Header***\t\t\n"
+    "X_Value\ttip_y\tComment\n0.0\t1.5\tstart\n0.1\t-2.5\n"
+)
+
+
 @pytest.mark.parametrize("layout", TEXT)
 def test_text_files_in_other_layouts(layout, tmp_path):
     file = tmp_path / "record.txt"

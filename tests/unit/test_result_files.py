@@ -3,7 +3,9 @@
 import copy
 import json
 import pickle
+import shutil
 import zlib
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -26,9 +28,15 @@ def run():
     return vr.Run(swing(duration=4.0))
 
 
+@pytest.fixture(scope="module")
+def saved(run, tmp_path_factory):
+    return run.save(tmp_path_factory.mktemp("saved") / "run.nc")
+
+
 @pytest.fixture
-def path(run, tmp_path):
-    return run.save(tmp_path / "run.nc")
+def path(saved, tmp_path):
+    """A file of one's own, to be damaged."""
+    return Path(shutil.copy(saved, tmp_path))
 
 
 def without_checksums(path, change=None):

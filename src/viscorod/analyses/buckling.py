@@ -53,14 +53,18 @@ def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
             for k, factor in enumerate(linear)
         ]
         return _found(discrete, settings, about, linear, points)
-    points, course = search.exact(settings.count, linear)
-    if course.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
-        reached = f"{points[-1].factor:.6g}" if points else "the beginning"
-        raise SolveError(
-            f"The equilibria could not be followed to {settings.count} critical loads: {course.outcome.value} "
-            f"beyond {reached}. What to try: a smaller count, or exact = false"
-        )
-    return _found(discrete, settings, about, linear, points)
+    points, course = search.exact(settings.count, linear, discrete.options.progress)
+    if course.outcome in (Outcome.COMPLETED, Outcome.POINTS):
+        return _found(discrete, settings, about, linear, points)
+    reached = f"{points[-1].factor:.6g}" if points else "the beginning"
+    why = course.reason or course.outcome.value
+    stopped = course.outcome is Outcome.INTERRUPTED
+    part = _found(discrete, settings, about, linear, points, "interrupted" if stopped else "failed")
+    raise SolveError(
+        f"The equilibria were not followed to {settings.count} critical loads: {why}, beyond {reached}"
+        + ("" if stopped else ". What to try: a smaller count, or exact = false"),
+        part,
+    )
 
 
 def _begin(discrete: DiscreteModel, settings: BucklingSettings) -> State:
@@ -78,6 +82,7 @@ def _found(
     about: Snapshot,
     linear: Floats,
     points: list[CriticalPoint],
+    outcome: str = "completed",
 ) -> Buckling:
     """Return the result; ``about`` is the state of the linear problem."""
     problem = discrete.problem
@@ -96,7 +101,7 @@ def _found(
     history = History()
     history.record(settings.about, about, EnergyAccount(elastic=about.elastic), 0.0, 0)
     attributes = {
-        "outcome": "completed",
+        "outcome": outcome,
         "buckling_exact": int(settings.exact),
         "buckling_complete": int(len(factors) >= settings.count),
     }

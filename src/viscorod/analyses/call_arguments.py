@@ -63,6 +63,7 @@ class CallOptions:
         anew: begin anew where a motion was stopped in that folder.
         attributes: of the result, beside those that all have, such as the text of its case file.
         derivatives: keys of the numbers of the model by which derivatives of the result are wanted.
+        errors: estimate the errors of mesh and steps; where the program chooses the mesh it needs them.
     """
 
     title: str = ""
@@ -73,6 +74,7 @@ class CallOptions:
     anew: bool = False
     attributes: dict[str, str] = field(default_factory=dict)
     derivatives: tuple[str, ...] = ()
+    errors: bool = True
 
 
 P = ParamSpec("P")
@@ -154,7 +156,8 @@ class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
     progress: Annotated[Progress | None, _kept("progress", "a function", _progress)] = Key(
-        "called after every step with the time [s], load factor or frequency [Hz] that was reached, and the step",
+        "called after every step with the time [s], load factor, frequency [Hz], speed [rad/s] or amplitude that was "
+        "reached, and the step",
         default=None,
         kw_only=True,
     )
@@ -200,7 +203,7 @@ class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     )
 
 
-class ResponseArguments(ResponseSettings, Progressing):
+class ResponseArguments(ResponseSettings, Progressing, Differentiated):
     """Arguments of ``Model.frequency_response``."""
 
 
@@ -216,23 +219,23 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
 
 
-class PeriodicArguments(PeriodicSettings, Watched):
+class PeriodicArguments(PeriodicSettings, Progressing):
     """Arguments of ``Model.periodic``."""
 
 
-class SteadyArguments(SteadySettings, Watched):
+class SteadyArguments(SteadySettings, Watched, Differentiated):
     """Arguments of ``Model.steady``."""
 
 
-class CampbellArguments(CampbellSettings, Watched):
+class CampbellArguments(CampbellSettings, Progressing):
     """Arguments of ``Model.campbell``."""
 
 
-class StabilityArguments(StabilitySettings, Watched):
+class StabilityArguments(StabilitySettings, Progressing):
     """Arguments of ``Model.stability``."""
 
 
-class BucklingArguments(BucklingSettings, Watched):
+class BucklingArguments(BucklingSettings, Progressing):
     """Arguments of ``Model.buckling``."""
 
 

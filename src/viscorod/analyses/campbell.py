@@ -5,24 +5,32 @@ from __future__ import annotations
 import json
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
-from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
+from viscorod.analyses.followed import (
+    common_variables,
+    errors_of,
+    followed,
+    found_in,
+    limits_of,
+    names_of,
+    on_fine_mesh,
+    whole,
+)
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.campbell import Campbell
-from viscorod.solve.refinement.followed_errors import FinerModes, critical_errors
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.driven_rotations import DrivenRotations
-from viscorod.solve.steady.steady_checks import require_steady
+from viscorod.solve.steady.steady_checks import SupportKind, require_steady, support_kind
 from viscorod.solve.steady.whirl import Rounds
-from viscorod.solve.tracking.engine_orders import critical_speeds
+from viscorod.solve.tracking.engine_orders import Critical, critical_speeds
 from viscorod.solve.tracking.meetings import meetings
 from viscorod.solve.tracking.mode_tracking import Sample, Tracker
-from viscorod.solve.tracking.special_values import limits
 from viscorod.typing import Floats
 
 __all__ = ["campbell", "rotations"]
@@ -39,6 +47,16 @@ def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRota
     require_no_initial_strain(discrete)
     steady = settings.steady()
     require_steady(discrete.model, discrete.problem, steady)
+    if settings.values[0] == 0.0 and support_kind(discrete.problem) is not SupportKind.HELD:
+        raise InputError(
+            Fault(
+                "speeds" if settings.band is None else "band",
+                "0 rad/s",
+                "supports leave the model free to turn as a whole, and at rest it has no modes in place of those that "
+                "wobble",
+                "begin above 0, or add supports",
+            )
+        )
     return DrivenRotations(discrete.static, steady)
 
 
@@ -60,20 +78,22 @@ def campbell(discrete: DiscreteModel, settings: CampbellSettings) -> Campbell:
 def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: CampbellSettings) -> Campbell:
     """Follow the modes; ``finer`` is the same model with elements halved, for the error of the mesh."""
     family, speeds = rotations(discrete, settings), settings.values
-    tracker = Tracker(family, settings.modes, discrete.static.check_interrupt)
-    tracker.follow(speeds, first=1 if speeds[0] == 0.0 else 0)
-    whole = _Diagram(family, settings.frame, tracker)
-    waves = whole.waves()
-    critical = critical_speeds(tracker, settings.engine_orders, waves)
-    found, met = limits(tracker), meetings(tracker.samples, family.mass)
-    better = None if finer is None else FinerModes(rotations(finer, settings), tracker)
-    samples = tracker.at(speeds)
+    tracker, speeds = followed(discrete, family, settings.modes, speeds, first=1 if speeds[0] == 0.0 else 0)
+    diagram = _Diagram(family, settings.frame, tracker)
+    waves = diagram.waves()
+    nothing: list[Critical] = []
+    orders = settings.engine_orders
+    critical = found_in(
+        discrete, tracker, "critical speeds", lambda: critical_speeds(tracker, orders, waves), nothing
+    )
+    found = limits_of(discrete, tracker)
+    met, samples = meetings(tracker.samples, family.mass), tracker.at(speeds)
+    better = None if finer is None else partial(rotations, finer, settings)
+    errors = errors_of(discrete, better, tracker, samples, found, critical, waves)
     notes: list[str] = []
     start = samples[1 if speeds[0] == 0.0 else 0]
     names = names_of(discrete, family.state(start.parameter), start)
-    variables, coordinates = common_variables(
-        "speed", samples, names, found, met, better, tracker.doubts, notes
-    )
+    variables, coordinates = common_variables("speed", samples, names, found, met, errors, tracker, notes)
     shifts = np.array(speeds)[:, None] * np.array(waves)
     seen = np.array([sample.roots for sample in samples]) + 1j * shifts
     along = ("speed", "mode")
@@ -82,7 +102,7 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
         "damping_ratio": (along, -seen.real / np.maximum(np.abs(seen), np.finfo(float).tiny) + 0.0),
         "whirl": (
             along,
-            np.array([whole.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]),
+            np.array([diagram.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]),
         ),
         "limit_frequency": (
             "limit",
@@ -105,12 +125,12 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
                 dtype=float,
             ),
         ),
-        "critical_error": ("critical", critical_errors(better, critical, waves)),
+        "critical_error": ("critical", errors.critical),
     }
     attrs = discrete.complete(
         {
             "kind": Campbell.kind,
-            "outcome": "completed",
+            "outcome": "stopped" if tracker.stopped else "completed",
             "frame": settings.frame,
             "nodes": discrete.problem.size,
             "iterations": family.iterations,
@@ -120,7 +140,7 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
     import xarray as xr
 
     coordinates |= {"speed": np.array(speeds), "engine_order": np.array(settings.engine_orders, dtype=float)}
-    return Campbell(xr.Dataset(variables, coordinates, attrs))
+    return whole(Campbell(xr.Dataset(variables, coordinates, attrs)), tracker)
 
 
 @dataclass

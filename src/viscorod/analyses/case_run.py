@@ -70,6 +70,8 @@ def discretised_case(case: Case) -> DiscreteModel:
         InputError: the model does not allow the analysis, or its mesh cannot satisfy it.
     """
     about = {"case_text": case.text}
+    if case.changes:
+        about["case_changes"] = case.changes
     if case.source is not None:
         about["case_file"] = str(case.source)
     options = CallOptions(title=case.title, attributes=about)
@@ -87,6 +89,7 @@ def run_case(
     resume: bool = False,
     anew: bool = False,
     stop: Callable[[], str] | None = None,
+    errors: bool = True,
 ) -> AnyResult:
     """Run the analysis of a case file.
 
@@ -96,6 +99,7 @@ def run_case(
         progress: see ``Model.simulate``.
         folder, resume, anew: of a motion, see there.
         doubts: warnings that the result is to keep.
+        errors: estimate the errors of mesh and steps; where the program chooses the mesh, it does.
         stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
             it.
     """
@@ -107,6 +111,7 @@ def run_case(
         resume=resume,
         anew=anew,
         stop=stop,
+        errors=errors,
     )
     discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
     settings = case.settings

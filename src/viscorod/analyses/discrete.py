@@ -19,7 +19,6 @@ from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.held_strains import add_held_strains
-from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.description.model_description import ModelDescription
@@ -171,8 +170,6 @@ class DiscreteModel:
         announce_compilation(geometric.assemble)
         if problem.constrained:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
-        if problem.relaxing:
-            announce_formulation(remember)
         return cls._begun(known, problem, formulation or ("geometric", "full"), attributes, options)
 
     @classmethod
@@ -186,7 +183,10 @@ class DiscreteModel:
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
         attributes = attributes | section_record(model, system.gauss_positions())
-        static, watch = StaticSolver(system, supports), MeshWatch(model, problem, system)
+        static, watch = (
+            StaticSolver(system, supports),
+            MeshWatch(model, problem, system, wanted=options.errors),
+        )
         began = time.perf_counter()
         return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)
 
@@ -205,6 +205,10 @@ class DiscreteModel:
         stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
         attributes = self.attributes | {"divisions": json.dumps(stored)}
         return self._begun(self.model, problem, self.formulation, attributes, self.options)
+
+    def of_problem(self, model: ModelDescription, problem: Problem) -> DiscreteModel:
+        """Return what solves another problem, of a model with other numbers, in the same formulation."""
+        return self._begun(model, problem, self.formulation, self.attributes, self.options)
 
     def announce_modes(self) -> None:
         """Say that modes are being found, where that takes more than a few seconds: it shows no progress."""

@@ -2,32 +2,131 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Any
+from collections.abc import Callable, Sequence
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.errors import SolveError
+from viscorod.results.followed_modes import FollowedModes
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.problem.division import divisions_of
-from viscorod.solve.refinement.followed_errors import FinerModes
+from viscorod.solve.refinement.followed_errors import FinerModes, critical_errors
 from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.statics.newton import interruption
+from viscorod.solve.tracking.engine_orders import Critical
 from viscorod.solve.tracking.meetings import Meeting
 from viscorod.solve.tracking.mode_tracking import SWINGS, Family, Sample, Tracker
-from viscorod.solve.tracking.special_values import Limit, grows
+from viscorod.solve.tracking.special_values import Limit, grows, limits
+from viscorod.typing import Floats
 
-__all__ = ["common_variables", "names_of", "on_fine_mesh"]
+__all__ = [
+    "common_variables",
+    "errors_of",
+    "followed",
+    "found_in",
+    "limits_of",
+    "names_of",
+    "on_fine_mesh",
+    "whole",
+]
 
 MOST_MESHES = 12
 """Meshes that are tried at most."""
 STILL = 1e-6
-"""Part of the median of the roots below which one is that of a motion at rest."""
+"""Part of the largest root below which one is that of a motion at rest."""
 SAME = 1e-6
 """Distance of two roots, as a part of them, within which they are one."""
+SOUGHT = 10.0
+"""Size of a root over the largest that is followed, beyond which the search for slow ones does not find it exactly."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
+
+
+T = TypeVar("T")
+
+
+def followed(
+    discrete: DiscreteModel, family: Family, count: int, values: tuple[float, ...], first: int = 0
+) -> tuple[Tracker, tuple[float, ...]]:
+    """Return a tracker that has followed modes, and the values that it reached.
+
+    Args:
+        discrete: the model; family: its small motions; count: of modes; values: of the parameter; first: to begin at.
+    """
+    tracker = Tracker(family, count, discrete.static.check_interrupt, discrete.options.progress)
+    tracker.follow(values, first)
+    if tracker.stopped:
+        discrete.static.stop = None
+    return tracker, tuple(tracker.reached(values))
+
+
+def found_in(discrete: DiscreteModel, tracker: Tracker, words: str, what: Callable[[], T], nothing: T) -> T:
+    """Return what is sought among modes that were followed; ``nothing`` if that is stopped, or fails.
+
+    The tracker keeps the reason; ``words`` are for what is missing.
+    """
+    try:
+        return what()
+    except (SolveError, KeyboardInterrupt) as error:
+        discrete.static.stop = None
+        why = interruption(error) if isinstance(error, KeyboardInterrupt) else str(error)
+        tracker.stop(f"{words} were not sought to the end: {why}")
+        return nothing
+
+
+def limits_of(discrete: DiscreteModel, tracker: Tracker) -> list[Limit]:
+    """Return where modes that were followed begin and cease to grow, as far as that was sought."""
+    nothing: list[Limit] = []
+    return found_in(discrete, tracker, "limits of stability", lambda: limits(tracker), nothing)
+
+
+class Errors(NamedTuple):
+    """Estimated errors by the mesh, in parts of what they are of: of modes, limits and critical speeds."""
+
+    modes: Floats
+    limits: Floats
+    critical: Floats
+    known: bool = True
+
+
+def errors_of(
+    discrete: DiscreteModel,
+    finer: Callable[[], Family] | None,
+    tracker: Tracker,
+    samples: list[Sample],
+    limited: list[Limit],
+    critical: Sequence[Critical] = (),
+    waves: Sequence[int] = (),
+) -> Errors:
+    """Return the errors by comparison with a finer mesh; zeros where there is none, or all was stopped before."""
+    none = Errors(np.zeros(len(samples[0].roots)), np.zeros(len(limited)), np.zeros(len(critical)), False)
+    if finer is None or tracker.stopped:
+        return none
+
+    def compared() -> Errors:
+        modes = FinerModes(finer(), tracker)
+        of_limits = np.array([modes.limit_error(one) for one in limited], dtype=float)
+        return Errors(modes.errors(samples), of_limits, critical_errors(modes, critical, waves))
+
+    return found_in(discrete, tracker, "errors of the mesh", compared, none)
+
+
+F = TypeVar("F", bound=FollowedModes)
+
+
+def whole(result: F, tracker: Tracker) -> F:
+    """Return a result.
+
+    Raises:
+        SolveError: it is not whole; `run` has it.
+    """
+    if not tracker.stopped:
+        return result
+    raise SolveError(f"Modes were followed to {result.values[-1]:.6g}: {tracker.stopped}", result)
 
 
 def on_fine_mesh(
@@ -70,11 +169,12 @@ def _frequencies(family: Family, at: float, count: int) -> np.ndarray:
 
 def _stray(samples: list[Sample]) -> float | None:
     """Return the first value of the parameter at which a motion grows that is not followed; None without."""
+    still = STILL * max(float(np.abs(sample.roots).max()) for sample in samples)
     for sample in samples:
         known = np.concatenate([sample.roots, sample.roots.conj()])
-        still = STILL * float(np.median(np.abs(sample.roots)))
+        far = SOUGHT * float(np.abs(sample.roots).max())
         for s in sample.spectrum.roots:
-            if abs(s) > still and grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
+            if still < abs(s) < far and grows(complex(s)) and np.abs(known - s).min() > SAME * abs(s):
                 return sample.parameter
     return None
 
@@ -95,15 +195,15 @@ def common_variables(
     along: str,
     samples: list[Sample],
     names: list[str],
-    limits: list[Limit],
+    limited: list[Limit],
     meetings: list[Meeting],
-    finer: FinerModes | None,
-    doubts: list[tuple[float, float, tuple[int, ...]]],
+    errors: Errors,
+    tracker: Tracker,
     notes: list[str],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return variables and coordinates of a data set; what is uncertain is added to the ``notes``."""
     roots = np.array([sample.roots for sample in samples])
-    for low, high, numbers in doubts:
+    for low, high, numbers in tracker.doubts:
         which = ", ".join(names[k] for k in numbers)
         notes.append(
             f"between {low:.8g} and {high:.8g} these modes may have been taken for one another, their shapes change "
@@ -116,24 +216,23 @@ def common_variables(
         notes.append(
             f"motions that are not followed grow from {along.replace('_', ' ')} {stray:.6g} on: follow more modes"
         )
-    if finer is None:
+    if tracker.stopped:
+        notes.append(f"this is not all that was asked for: {tracker.stopped}")
+    elif not errors.known:
         notes.append(
-            "errors of the mesh were not estimated: the model is too large for a finer one beside it"
+            "errors of the mesh were not estimated: the model is too large for a finer one beside it, or nobody asked"
         )
     tau = 2.0 * np.pi
     variables: dict[str, Any] = {
         "eigenvalue": ((along, "mode", "part"), np.stack([roots.real, roots.imag], axis=-1)),
         "likeness": ((along, "mode"), np.array([sample.likeness for sample in samples])),
-        "mesh_error": ("mode", np.zeros(len(names)) if finer is None else finer.errors(samples)),
-        f"limit_{along}": ("limit", np.array([one.parameter for one in limits], dtype=float)),
-        "limit_mode": ("limit", np.array([one.mode for one in limits], dtype=np.int64)),
-        "limit_kind": ("limit", np.array([one.kind for one in limits], dtype=str)),
-        "limit_unstable": ("limit", np.array([one.unstable for one in limits], dtype=np.int64)),
-        "limit_frequency": ("limit", np.array([abs(one.root.imag) / tau for one in limits], dtype=float)),
-        "limit_error": (
-            "limit",
-            np.array([0.0 if finer is None else finer.limit_error(one) for one in limits], dtype=float),
-        ),
+        "mesh_error": ("mode", errors.modes),
+        f"limit_{along}": ("limit", np.array([one.parameter for one in limited], dtype=float)),
+        "limit_mode": ("limit", np.array([one.mode for one in limited], dtype=np.int64)),
+        "limit_kind": ("limit", np.array([one.kind for one in limited], dtype=str)),
+        "limit_unstable": ("limit", np.array([one.unstable for one in limited], dtype=np.int64)),
+        "limit_frequency": ("limit", np.array([abs(one.root.imag) / tau for one in limited], dtype=float)),
+        "limit_error": ("limit", errors.limits),
         f"meeting_{along}": ("meeting", np.array([one.parameter for one in meetings], dtype=float)),
         "meeting_modes": (
             ("meeting", "pair"),

@@ -46,7 +46,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
-DIFFERENTIATED = ("simulate", "equilibrium", "modes")
+DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_response")
 """Analyses whose results have derivatives."""
 
 
@@ -144,7 +144,14 @@ class Model(ModelDescription):
         from viscorod.analyses.refinement import refined
         from viscorod.analyses.steady import steady_rotation
 
-        return refined(steady_rotation, DiscreteModel.of(self, call, call.options), call)
+        discrete = DiscreteModel.of(self, call, call.options)
+        found = refined(steady_rotation, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.rotations import steady_derivatives
+
+            with_derivatives(steady_derivatives, self, discrete, call, found)
+        return found
 
     @takes(ModesArguments)
     def modes(self, call: ModesArguments) -> Modes:
@@ -268,8 +275,16 @@ class Model(ModelDescription):
         from viscorod.analyses.linear_about import with_input_loads
         from viscorod.analyses.refinement import refined_response
 
-        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
-        return refined_response(frequency_response, discrete, call)
+        model = with_input_loads(self, call)
+        discrete = DiscreteModel.of(model, call, call.options)
+        found = refined_response(frequency_response, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.responses import response_derivatives
+
+            model.materials, model.sections = self.materials, self.sections
+            with_derivatives(response_derivatives, model, discrete, call, found)
+        return found
 
     @takes(PeriodicArguments)
     def periodic(self, call: PeriodicArguments) -> Periodic:

@@ -18,6 +18,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
+from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import dataset
@@ -255,6 +256,8 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
         )
     if settings.formulation == "intrinsic":
         announce_formulation(intrinsic.forces_at)
+    if discrete.problem.relaxing and settings.dynamics == "nonlinear":
+        announce_formulation(remember)
     return state, text
 
 

@@ -13,12 +13,14 @@ from viscorod.analyses.linear_about import placed_outputs
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.periodic import NO_INPUT, Periodic
 from viscorod.solve.formulations.system import State
+from viscorod.solve.linear_systems.measured_moduli import of_law_in_place
 from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.modes.undamped import undamped_modes
 from viscorod.solve.periodic.backbone import Backbone
-from viscorod.solve.periodic.continuation import UNSTABLE, Continuation, Parameter
+from viscorod.solve.periodic.continuation import UNSTABLE, Continuation, OrbitPoint, Parameter
 from viscorod.solve.periodic.drive import Drive
 from viscorod.solve.periodic.fourier import Fourier
+from viscorod.solve.periodic.more_harmonics import multipliers_with_more_harmonics
 from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
 from viscorod.solve.periodic.orbit_outputs import OrbitOutputs
 from viscorod.solve.settings.periodic import PeriodicSettings
@@ -34,6 +36,8 @@ FINE = 2.0 * np.pi * np.arange(200) / 200
 """Phases [rad] at which the extremes of an output are sought."""
 KEPT = 12
 """Floquet multipliers of every motion that a result has, the largest ones."""
+MOST_CHECKED, UNSURE = 3, 1e-3
+"""Bifurcations, but folds, whose multipliers are found with twice the harmonics too; what is told if they change."""
 TAIL = 1e-4
 """Size of the highest two harmonics, over that of all, from which on more of them are advised."""
 
@@ -81,10 +85,18 @@ def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record
         setting = Setting(turn * settings.frequency, parameter.start)
     continuation = Continuation(balance, parameter, stability=settings.stability, stop=discrete.options.stop)
     first = continuation.first(balance.resting(), setting)
-    last = first
+    last, progress = first, discrete.options.progress
+    changed: list[OrbitPoint] = []
+    unit = turn if settings.frequencies is not None else 1.0
     for point in continuation.follow(first, settings.step, settings.points):
         record.add(point.motion, point.orbit, point.multipliers, point.bifurcation)
+        if point.bifurcation not in ("", "fold") and len(changed) < MOST_CHECKED:
+            changed.append(point)
+        if progress is not None:
+            progress(point.value / unit, abs(point.value - last.value) / unit)
         last = point
+    for point in changed:
+        record.check(point)
     return last is not first and last.value in (parameter.start, parameter.end)
 
 
@@ -120,7 +132,9 @@ def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) 
     smallest, size = settings.largest / 100.0, 0.0
     for solved in backbone.follow(smallest, settings.largest, settings.step, settings.points):
         record.add(solved.motion, solved.orbit)
-        size = amplitude(solved.motion)
+        before, size = size, amplitude(solved.motion)
+        if discrete.options.progress is not None:
+            discrete.options.progress(size, size - before)
     return size >= 0.999 * settings.largest
 
 
@@ -130,6 +144,23 @@ class _Record:
     def __init__(self, balance: OrbitBalance, outputs: OrbitOutputs) -> None:
         self.balance, self.outputs = balance, outputs
         self.points: list[dict[str, Any]] = []
+        self.notes: list[str] = []
+
+    def check(self, point: OrbitPoint) -> None:
+        """Compare the multipliers at a bifurcation with those of twice the harmonics; note where they differ."""
+        few = self.balance.fourier.harmonics
+        better = multipliers_with_more_harmonics(self.balance, point.orbit, point.setting, 2 * few)
+        where = f"the {point.bifurcation} at {point.setting.omega / (2.0 * np.pi):.6g} Hz"
+        if better is None:
+            self.notes.append(f"{where} is not sure: with {2 * few} harmonics no motion was found there")
+            return
+        critical = point.multipliers[np.argmin(np.abs(np.abs(point.multipliers) - 1.0))]
+        nearest = better[np.argmin(np.abs(better - critical))]
+        if abs(nearest - critical) > UNSURE:
+            self.notes.append(
+                f"{where} is not sure: the multiplier of size {abs(critical):.4f} there has {abs(nearest):.4f} with "
+                f"{2 * few} harmonics: give more"
+            )
 
     def add(
         self, motion: Motion, orbit: Orbit, multipliers: np.ndarray | None = None, bifurcation: str = ""
@@ -179,7 +210,9 @@ def _data_set(
     """Return the data set of periodic motions."""
     import xarray as xr
 
-    notes, signals = _notes(settings, record, outcome), settings.inputs or ()
+    hertz = record.all("frequency")
+    laws = of_law_in_place(discrete.model, float(hertz.min()), float(hertz.max()))
+    notes, signals = [*laws, *_notes(settings, record, outcome)], settings.inputs or ()
     earlier = json.loads(discrete.attributes.get("warnings", "[]"))
     attrs = discrete.complete(
         {
@@ -234,7 +267,7 @@ def _filled(values: np.ndarray) -> np.ndarray:
 
 def _notes(settings: PeriodicSettings, record: _Record, outcome: str) -> list[str]:
     """Return what is uncertain, in sentences."""
-    found = []
+    found = list(record.notes)
     tail = float(np.nan_to_num(record.all("tail")).max())
     if tail > TAIL:
         found.append(

@@ -27,7 +27,7 @@ def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dic
     from viscorod import __version__
 
     case = json.dumps(model.to_dict())
-    text = more.get("case_text") or case
+    text = (more.get("case_text") or case) + more.get("case_changes", "")
     return {
         "title": title,
         "case": case,

@@ -20,6 +20,7 @@ from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic
+from viscorod.results.result import Result
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
@@ -61,6 +62,7 @@ MOST_COMPARED = 200
 
 S = TypeVar("S", bound=Meshed)
 R = TypeVar("R")
+Q = TypeVar("Q", bound=Result)
 
 
 def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, settings: S) -> R:
@@ -205,11 +207,11 @@ def refined_buckling(
 
 
 def beside_finer(
-    analysis: Callable[[DiscreteModel, S], R],
+    analysis: Callable[[DiscreteModel, S], Q],
     discrete: DiscreteModel,
     settings: S,
-    compared: Callable[[R, R], tuple[R, Floats]],
-) -> R:
+    compared: Callable[[Q, Q], tuple[Q, Floats]],
+) -> Q:
     """Run an analysis on a mesh and on the one with all elements halved; their differences are the estimated errors.
 
     While one is more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh becomes the
@@ -228,7 +230,10 @@ def beside_finer(
         finer = discrete.on_mesh({name: division.halved() for name, division in coarse.items()})
         try:
             other = analysis(finer, settings)
-        except SolveError:
+        except SolveError as error:
+            known = json.loads(found.data.attrs.get("warnings", "[]"))
+            note = f"errors of the mesh were not estimated, the finer one beside it has no result: {error}"
+            found.data.attrs["warnings"] = json.dumps([*known, note])
             return found
         found, errors = compared(found, other)
         worst = float(errors.max(initial=0.0))

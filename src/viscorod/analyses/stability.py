@@ -3,22 +3,28 @@
 from __future__ import annotations
 
 import json
+from functools import partial
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
-from viscorod.analyses.followed import common_variables, names_of, on_fine_mesh
+from viscorod.analyses.followed import (
+    common_variables,
+    errors_of,
+    followed,
+    limits_of,
+    names_of,
+    on_fine_mesh,
+    whole,
+)
 from viscorod.analyses.growing_loads import begin_growing
 from viscorod.errors import SolveError
 from viscorod.results.stability_result import Stability
-from viscorod.solve.refinement.followed_errors import FinerModes
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.statics.loaded_equilibria import LoadedEquilibria
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.tracking.meetings import meetings
-from viscorod.solve.tracking.mode_tracking import Tracker
-from viscorod.solve.tracking.special_values import limits
 
 __all__ = ["stability"]
 
@@ -55,16 +61,16 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: St
     """Follow the modes; ``finer`` is the same model with elements halved, for the error of the mesh."""
     import xarray as xr
 
-    family, factors = _equilibria(discrete, settings), settings.values
-    tracker = Tracker(family, settings.modes, discrete.static.check_interrupt)
-    tracker.follow(factors)
-    found, met = limits(tracker), meetings(tracker.samples, family.mass)
-    better = None if finer is None else FinerModes(_equilibria(finer, settings), tracker)
-    samples = tracker.at(factors)
+    family = _equilibria(discrete, settings)
+    tracker, factors = followed(discrete, family, settings.modes, settings.values)
+    found = limits_of(discrete, tracker)
+    met, samples = meetings(tracker.samples, family.mass), tracker.at(factors)
+    better = None if finer is None else partial(_equilibria, finer, settings)
+    errors = errors_of(discrete, better, tracker, samples, found)
     names = names_of(discrete, family.state(factors[0]), samples[0])
     notes: list[str] = []
     variables, coordinates = common_variables(
-        "load_factor", samples, names, found, met, better, tracker.doubts, notes
+        "load_factor", samples, names, found, met, errors, tracker, notes
     )
     roots = np.array([sample.roots for sample in samples])
     along = ("load_factor", "mode")
@@ -75,11 +81,12 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: St
     attrs = discrete.complete(
         {
             "kind": Stability.kind,
-            "outcome": "completed",
+            "outcome": "stopped" if tracker.stopped else "completed",
             "constant": json.dumps(list(settings.constant)),
             "nodes": discrete.problem.size,
             "iterations": family.iterations,
             "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
         }
     )
-    return Stability(xr.Dataset(variables, coordinates | {"load_factor": np.array(factors)}, attrs))
+    result = Stability(xr.Dataset(variables, coordinates | {"load_factor": np.array(factors)}, attrs))
+    return whole(result, tracker)

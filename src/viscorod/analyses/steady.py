@@ -13,6 +13,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import SolveError
 from viscorod.results.steady_result import Steady
 from viscorod.solve.energy_account import EnergyAccount
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.damped import REAL
 from viscorod.solve.modes.linearisation import nodal_motions
@@ -31,14 +32,15 @@ if TYPE_CHECKING:
 __all__ = ["steady_rotation"]
 
 
-def steady_rotation(discrete: DiscreteModel, settings: SteadySettings) -> Steady:
-    """Find a steady rotation; see ``Model.steady``."""
+def steady_rotation(discrete: DiscreteModel, settings: SteadySettings, first: State | None = None) -> Steady:
+    """Find a steady rotation, from a ``first`` state if that is known; see ``Model.steady``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
     require_no_initial_strain(discrete)
     problem, start = discrete.problem, settings.start
     require_steady(discrete.model, problem, settings)
-    first = None if start is None else StartState(discrete, start).state
+    if first is None and start is not None:
+        first = StartState(discrete, start).state
     search = Search(discrete.static, settings, first)
     try:
         found = search.run()

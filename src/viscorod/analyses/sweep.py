@@ -3,169 +3,281 @@
 from __future__ import annotations
 
 import copy
-import os
+import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
-from viscorod.analyses.case_run import run_case
+import numpy as np
+
+from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
+from viscorod.analyses.sweeps.executors import opened, processes_of, through
+from viscorod.analyses.sweeps.member_names import member_names
+from viscorod.analyses.sweeps.rows import Columns, Row, Values, rows_of
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_keys import put
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import show
-from viscorod.results.sweep_result import Sweep, SweepRun
-from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
+from viscorod.results.files.sweep_folder import SweepFolder
+from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
+from viscorod.results.sweep_figures import figures_of
+from viscorod.results.sweep_result import COMPLETED, NOT_RUN, Sweep, SweepRun
 from viscorod.solve.settings.motion import SimulateSettings
-from viscorod.solve.settings.periodic import PeriodicSettings
-from viscorod.solve.settings.response import ResponseSettings
-from viscorod.solve.settings.stability import StabilitySettings
 
 __all__ = ["sweep"]
 
-Values: TypeAlias = Mapping[str, Sequence[Any]] | Sequence[Mapping[str, Any]]
 Progress: TypeAlias = Callable[[float], None]
 
 OUTPUTS = 200
 """Stored states of a run whose case gives no output_interval."""
+LOOKED_AT = 2000
+"""Members that are looked at before any is computed."""
+LEFT_OUT: Found = (None, "", NOT_RUN)
+UNFINISHED = ("interrupted", NOT_RUN)
+"""Outcomes of members that are computed again by the next call."""
 
 
 def sweep(
     case: Case | str | Path,
-    values: Values,
+    values: Values | None = None,
     *,
+    grid: Columns | None = None,
+    constants: Mapping[str, Any] | None = None,
+    quantities: Quantities | None = None,
+    fields: bool | None = None,
+    executor: Any = None,
     workers: int | None = None,
+    folder: str | Path | None = None,
+    members: slice | None = None,
+    errors: int | None = None,
     progress: Progress | None = None,
 ) -> Sweep:
-    """Compute a case several times, each time with other values, in parallel processes.
+    """Compute a case many times, each time with other values, and return a table of named numbers.
 
-    Runs are stored at common times: every ``output_interval`` of the case, or 200 times where it gives none. A member
-    that fails does not stop the others. In a script with more than one worker the call must stand under
-    ``if __name__ == "__main__":``, as processes that start import the script.
+    Whole results are kept where no quantities are asked for. They are stored at common times then: every
+    ``output_interval`` of the case, or 200 times where it gives none. A member that fails does not stop the others.
+    In a script with more than one process the call must stand under ``if __name__ == "__main__":``, as processes that
+    start import the script.
 
     Args:
         case: a case, or the path of its file; it must be right as it stands.
         values: key -> its values, one per member, such as ``{"rods.beam.elements": [1, 2, 4]}``; several keys vary
-            together. Or a list of one mapping key -> value per member. Keys are those of the case file, with dots and
-            ``[number]`` for the entries of lists: ``"loads[0].value"``.
-        workers: number of processes; None takes one per processor, 1 computes in this process.
+            together. Or rows: a list of one mapping key -> value per member, a table of pandas, the path of a CSV file
+            with keys in its first line. Keys are those of the case file, with dots and ``[number]`` for the entries of
+            lists: ``"loads[0].value"``.
+        grid: key -> its values, of which every combination is computed (with every row of ``values``).
+        constants: key -> one value for all members.
+        quantities: name -> words such as ``("decrement", "beam.end", "y")``, or a function of the result that returns a
+            number; the page on sweeps has all words.
+        fields: keep the whole result of every member; by default only if there are no quantities.
+        executor: what computes: "processes:8" of this machine (the default, one per processor), "threads:2", "dask" or
+            "dask:ADDRESS" of a scheduler, or any executor of ``concurrent.futures`` such as that of ``mpi4py.futures``.
+        workers: number of processes; 1 computes in this process.
+        folder: keeps every member that is finished, on disk before it is reported. Members that are there already, of
+            the same case, values, version and quantities, are not computed again. It is to be seen by all workers.
+        members: which of them this call computes, such as ``slice(100, 200)``.
+        errors: for how many members, evenly chosen, the errors of mesh and steps are estimated; by default for all. It
+            changes no other number and takes half the time of short motions, so that some may do. A member whose mesh
+            the program chooses has it in any case.
         progress: called with the number of members done, fractions included.
 
     Returns:
-        The members with their results, in the order of their values.
+        The members in the order of their values; ``table()`` has their numbers.
 
     Raises:
-        InputError: a key or value is wrong; nothing has been computed.
-        SolveError: the sweep was interrupted; ``run`` holds the `Sweep` of what was computed.
+        InputError: a key, a value or a quantity is wrong; nothing has been computed. Of more than 2000 members only the
+            first are looked at before; wrong ones among the others have the outcome "refused".
+        SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if isinstance(case.settings, BucklingSettings | CampbellSettings | StabilitySettings | PeriodicSettings):
-        why = "sweeps are of motions, equilibria, paths, steady rotations, modes and frequency responses"
-        raise InputError(Fault(case.kind, "", why, "compute every case by itself, in a loop"))
     if progress is not None:
         require_callback("progress", progress, 0.0)
-    rows = _rows(values)
-    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
-        raise InputError(Fault("workers", show(workers), "a whole number of at least 1 is needed", "give 2"))
-    contents, notes = _contents(case, rows)
-    jobs = [(content, case.title, case.source) for content in contents]
-    count = min(workers or os.cpu_count() or 1, len(jobs))
+    rows = rows_of(values, grid, constants)
+    count = processes_of(executor, workers)
+    wanted = quantities_of(quantities or {}, case.kind, rows[0])
+    keep = not wanted if fields is None else bool(fields)
+    notes = _checked(case, rows, wanted, keep)
+    names = [""] * len(rows)
+    work = MemberWork(case.content, case.title, case.source, wanted, keep, None)
+    found: dict[int, Found] = {}
+    if folder is not None:
+        store = SweepFolder(Path(folder).absolute())
+        work = replace(work, folder=store)
+        names = member_names(case, rows, wanted, keep)
+        store.begin(case.title, rows, names, notes)
+        known = store.finished()
+        found = {k: store.parts(name, known[name]) for k, name in enumerate(names) if name in known}
+    due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
+    if errors is not None and (isinstance(errors, bool) or not isinstance(errors, int) or errors < 0):
+        raise InputError(Fault("errors", show(errors), "a number of members is needed here", "give 16"))
+    looked = set(range(len(rows)) if errors is None else np.linspace(0, len(rows) - 1, errors, dtype=int))
+    jobs = [(rows[k], names[k], k in looked) for k in due]
+
+    def recover(numbers: Sequence[int]) -> dict[int, Found]:
+        finished = {} if work.folder is None else work.folder.finished()
+        return {
+            n: work.folder.parts(jobs[n][1], finished[jobs[n][1]])
+            for n in numbers
+            if work.folder is not None and jobs[n][1] in finished
+        }
+
+    def told(done: float) -> None:
+        if progress is not None:
+            progress(len(rows) - len(jobs) + done)
+
+    broken = ""
     with _stopping() as stop:
-        found = (
-            _alone(jobs, stop, progress) if count == 1 else in_parallel(_compute, jobs, count, stop, progress)
-        )
+        if not jobs:
+            computed: list[Found] = []
+            told(0.0)
+        elif count is None:
+            with opened(executor) as engine:
+                computed, broken = through(engine, work, jobs, stop, told, recover)
+        elif min(count, len(jobs)) == 1 and (executor is None or count == 1):
+            computed = _alone(work, jobs, stop, told)
+        else:
+            _require_sendable(work)
+            computed = in_parallel(work, jobs, min(count, len(jobs)), stop, told)
         stopped = stop.is_set()
-    members = [SweepRun(k, row, *parts) for k, (row, parts) in enumerate(zip(rows, found, strict=True))]
-    result = Sweep(members, case.title, notes)
-    if stopped:
-        raise SolveError(
-            f"The sweep was stopped; {len(result.completed)} of {len(rows)} members are done", result
-        )
+    found |= dict(zip(due, computed, strict=True))
+    runs = [SweepRun(k, row, *found.get(k, LEFT_OUT)) for k, row in enumerate(rows)]
+    result = Sweep(runs, case.title, notes)
+    if stopped or broken:
+        why = broken or "The sweep was stopped"
+        raise SolveError(f"{why}; {len(result.completed)} of {len(rows)} members are done", result)
     return result
 
 
-def _rows(values: Values) -> list[dict[str, Any]]:
-    """Return the values of every member, plain numbers, texts and lists."""
-    advice = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
-    if isinstance(values, Mapping):
-        columns = {str(key): _plain(column) for key, column in values.items()}
-        for key, column in columns.items():
-            if not isinstance(column, list | tuple) or not column:
-                raise InputError(Fault(key, show(column), "a list of values is needed here", advice))
-        lengths = {key: len(column) for key, column in columns.items()}
-        first, count = next(iter(lengths.items()), ("", 0))
-        for key, length in lengths.items():
-            if length != count:
-                found, why = f"{length} values", f"{first} has {count}; they vary together"
-                raise InputError(Fault(key, found, why, "give every key one value per member"))
-        rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
-    else:
-        if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
-            raise InputError(Fault("values", show(values), "keys with their values are needed here", advice))
-        rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
-        for k, row in enumerate(rows):
-            if list(row) != list(rows[0]):
-                found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
-                raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
-    if not rows or not rows[0]:
-        raise InputError(Fault("values", show(values), "there is nothing to vary", advice))
-    return rows
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else value
-
-
-def _contents(case: Case, rows: Sequence[Mapping[str, Any]]) -> tuple[list[dict[str, Any]], list[str]]:
-    """Return the content of a case file for every member, checked, and what was chosen for all of them."""
-    contents, notes = [], []
+def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
+    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members."""
+    notes: list[str] = []
     problems: dict[tuple[str, str], Fault] = {}
-    for row in rows:
-        content = copy.deepcopy(dict(case.content))
+    places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
+    for k, row in enumerate(rows[:LOOKED_AT]):
         try:
-            for key, value in row.items():
-                put(content, key, value)
+            content, note = member_content(case.content, case.source, row, keep)
             member = case_from_dict(content, case.source)
+            if k == 0 and places:
+                _require_places(member, places)
         except InputError as error:
             for problem in error.problems:  # the same mistake in many members is reported once
                 problems.setdefault((problem.where, problem.why), problem)
             continue
-        settings = member.settings
-        if isinstance(settings, SimulateSettings) and "output_interval" not in content["simulate"]:
-            interval = settings.duration / OUTPUTS
-            content["simulate"]["output_interval"] = interval
-            notes.append(
-                f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
-            )
-        contents.append(content)
+        notes += [note] if note else []
     if problems:
         raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
-    return contents, list(dict.fromkeys(notes))
+    return list(dict.fromkeys(notes))
 
 
-Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None]
+def _require_places(case: Case, places: Mapping[str, str]) -> None:
+    """Refuse places that the model does not have."""
+    discrete = discretised_case(case)
+    for place, name in places.items():
+        try:
+            discrete.place(place)
+        except InputError as error:
+            raise InputError(Fault(f"quantities.{name}", place, str(error), "")) from None
+
+
+def _require_sendable(work: MemberWork) -> None:
+    """Refuse functions that other processes would not find."""
+    for quantity in work.quantities:
+        try:
+            pickle.dumps(quantity)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            why = "this function cannot be sent to other processes"
+            instead = "define it in a module, give workers=1, or executor='threads:2'"
+            raise InputError(Fault(f"quantities.{quantity.name}", "", why, instead)) from None
+
+
+def member_content(
+    content: Mapping[str, Any], source: Path | None, row: Row, keep: bool
+) -> tuple[dict[str, Any], str]:
+    """Return the content of the case file of a member, and what was chosen for it.
+
+    Raises:
+        InputError: there is no such key, or what is there is wrong.
+    """
+    own = copy.deepcopy(dict(content))
+    for key, value in row.items():
+        put(own, key, value)
+    table = own.get("simulate")
+    if keep and isinstance(table, dict) and "output_interval" not in table:
+        settings = case_from_dict(own, source).settings
+        if not isinstance(settings, SimulateSettings):
+            return own, ""
+        table["output_interval"] = interval = settings.duration / OUTPUTS
+        return own, f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
+    return own, ""
+
+
+@dataclass(frozen=True)
+class MemberWork:
+    """What is done with the values of a member, where its worker is.
+
+    Attributes:
+        content, title, source: of the case.
+        quantities: that are computed of its result.
+        keep: keep that result.
+        folder: of the sweep, if it has one.
+    """
+
+    content: Mapping[str, Any]
+    title: str
+    source: Path | None
+    quantities: tuple[Quantity, ...]
+    keep: bool
+    folder: SweepFolder | None
+
+    def __call__(
+        self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
+    ) -> Found:
+        """Compute one member and record it."""
+        row, name, errors = job
+        try:
+            content, _ = member_content(self.content, self.source, row, self.keep)
+        except InputError as error:
+            found: Found = None, str(error), "refused"
+        else:
+            found = _compute((content, self.title, self.source, errors), tell, stopped)
+        result, message, outcome = found
+        numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
+        parts = {
+            "message": "; ".join(filter(None, [message, *wrong])),
+            "outcome": outcome,
+            "quantities": numbers,
+            "measured": {} if self.keep and self.folder is None else figures_of(result),
+        }
+        stored = result if self.keep else None
+        if self.folder is not None and outcome not in UNFINISHED:
+            stored = self.folder.add(name, parts, stored)
+        return stored, *parts.values()
+
+
+Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
 
 STOPPED = "the sweep was stopped"
 
 
 def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
-    content, title, source = job
+    content, title, source, errors = job
     try:
         case = case_from_dict({"title": title, **content}, source)
-        total = _total(case)
+        course = case.settings.course
 
         def progress(reached: float, _step: float) -> None:
-            tell(min(reached / total, 1.0))
+            tell(course.part(reached))
 
         return (
-            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else ""),
+            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else "", errors=errors),
             "",
             "completed",
         )
@@ -180,24 +292,17 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, f"{type(error).__name__}: {error}", FAILED
 
 
-def _total(case: Case) -> float:
-    """Return the time [s], load factor or frequency [Hz] at which a member is done."""
-    settings = case.settings
-    if isinstance(settings, SimulateSettings):
-        return settings.duration
-    return settings.highest if isinstance(settings, ResponseSettings) else 1.0
-
-
-def _alone(jobs: Sequence[Job], stop: threading.Event, progress: Progress | None) -> list[Found]:
+def _alone(work: MemberWork, jobs: Sequence[Any], stop: threading.Event, progress: Progress) -> list[Found]:
     """Compute one member after the other, in this process."""
     found: list[Found] = []
     for k, job in enumerate(jobs):
 
         def tell(part: float, *, k: int = k) -> None:
-            if progress is not None:
-                progress(k + part)
+            progress(k + part)
 
-        found.append(UNTOUCHED if stop.is_set() else _compute(job, tell, stop.is_set))
+        found.append(UNTOUCHED if stop.is_set() else work(job, tell, stop.is_set))
+        if not stop.is_set():
+            progress(k + 1.0)
     return found
 
 

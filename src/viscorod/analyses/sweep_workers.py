@@ -18,10 +18,10 @@ from typing import Any, TypeAlias
 
 from viscorod.errors import InputError
 
-__all__ = ["FAILED", "UNTOUCHED", "Found", "Work", "in_parallel"]
+__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Found", "Work", "in_parallel"]
 
-Found: TypeAlias = tuple[Any, str, str]
-"""Result (or None), message and outcome of a member."""
+Found: TypeAlias = tuple[Any, ...]
+"""Result (or None, or its file), message and outcome of a member, then its quantities and figures if it has any."""
 Work: TypeAlias = Callable[[Any, Callable[[float], None], Callable[[], bool]], Found]
 """Computes a job, tells which part of it is done and asks whether to stop."""
 
@@ -105,7 +105,7 @@ def in_parallel(
                     cells[number] = 0.0
                     worker.begin(number, jobs[number])
             if progress is not None and not stop.is_set():
-                progress(sum(1.0 if k in found else cells[k] for k in range(len(jobs))))
+                progress(len(found) + sum(cells[w.member] for w in crew if w.member is not None))
     finally:
         for worker in crew:
             worker.end()

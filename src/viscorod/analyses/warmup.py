@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import gc
 import logging
+import sys
 import time
 import warnings
 from collections.abc import Callable, Iterable, Iterator
@@ -25,6 +26,7 @@ from viscorod.mechanics.compilation.compiled import (
     await_compilation,
     cache_folder,
     compile_aside,
+    on_disk,
 )
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.materials.material import KelvinVoigt, Material
@@ -45,6 +47,8 @@ from viscorod.solve.transient.step_control import ErrorControl
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""
 GEOMETRIC = (("geometric", "full"),)
+ALL = "all"
+"""The word for the second process to compile everything, from the other end."""
 SPAN = 1e-5
 """Simulated time [s]; a few steps do."""
 
@@ -80,21 +84,20 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
     begin = time.perf_counter()
     before = _misses()
     with _watched(progress), _unannounced():
-        compile_aside()
+        if not all(map(on_disk, KERNELS)):
+            compile_aside(ALL)
         model = small_model()
         model.equilibrium()
         model.modes(1)
         _simulate(model, "generalized_alpha")
         transients(model)
-        compile_loop()
-        assembly = small_assembly()
+        assembly, relaxing = small_assembly(), small_relaxing()
         assembly.equilibrium()
         assembly.modes(1)
-        relaxing = small_relaxing()
         relaxing.modes(1)
-        for integrator in INTEGRATORS:
-            _simulate(assembly, integrator, _formulations(integrator, lambda kind: kind.laws))
-            _simulate(relaxing, integrator, _formulations(integrator, lambda kind: kind.branches))
+        for variant in _variants(assembly, relaxing):
+            _simulate(*variant)
+        compile_loop()
         await_compilation()
     if progress is not None:
         progress(_ready())  # what the second process compiled was only read here
@@ -107,6 +110,19 @@ def transients(model: Model) -> None:
     """Run every integrator, from the reference shape: that needs no kernels of statics."""
     for integrator in INTEGRATORS:
         _simulate(model, integrator, _formulations(integrator))
+
+
+def _variants(assembly: Model, relaxing: Model) -> list[tuple[Model, str, list[tuple[str, str]]]]:
+    """Return models, integrators and formulations for which the steps of transients are compiled once more."""
+    return [
+        (model, integrator, [formulation])
+        for integrator in INTEGRATORS
+        for model, formulations in (
+            (assembly, _formulations(integrator, lambda kind: kind.laws)),
+            (relaxing, _formulations(integrator, lambda kind: kind.branches)),
+        )
+        for formulation in formulations
+    ]
 
 
 def _formulations(
@@ -264,3 +280,6 @@ def _watched(progress: Callable[[float], None] | None) -> Iterator[None]:
 if __name__ == "__main__":  # the process that compiles aside
     gc.disable()  # compiling makes many objects, and the process ends soon
     compile_transients()
+    if ALL in sys.argv[1:]:
+        for variant in reversed(_variants(small_assembly(), small_relaxing())):
+            _simulate(*variant)

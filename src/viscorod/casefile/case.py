@@ -37,6 +37,7 @@ class Case:
         content: the keys and values it was read from, quantities as they were given.
         text: of the file.
         conversions: quantities such as "10 mm" and what they are in SI.
+        changes: keys that were given other values than in the text, and these, as JSON; empty if none were.
     """
 
     title: str
@@ -46,6 +47,7 @@ class Case:
     content: Mapping[str, Any] = field(default_factory=dict, compare=False, repr=False)
     text: str = field(default="", compare=False, repr=False)
     conversions: tuple[Conversion, ...] = field(default=(), compare=False, repr=False)
+    changes: str = field(default="", compare=False, repr=False)
 
     @property
     def kind(self) -> str:

@@ -181,9 +181,7 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                "give one table: [simulate] with a duration, [equilibrium], [path], [steady] with a spin, [modes], "
-                "[response] with inputs and outputs, [periodic] with inputs, amplitudes and outputs, "
-                "[buckling], [campbell] with an axis and a band, or [stability] with a band",
+                f"give one table: {_analyses()}",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])
@@ -303,6 +301,13 @@ class CaseReader:
         if not isinstance(value, Mapping):
             return value
         return {key: self._section_named(item) if key in keys else item for key, item in value.items()}
+
+
+def _analyses() -> str:
+    """Return the tables of all analyses, with what stands in them at least."""
+    known = ((word, settings.needs) for word, settings in ANALYSES.items())
+    *some, last = [f"[{word}] with {needs}" if needs else f"[{word}]" for word, needs in known]
+    return f"{'; '.join(some)}; or {last}"
 
 
 def read_part(table: str, name: str, content: Any) -> Any:

@@ -17,9 +17,11 @@ from viscorod.cli.animate_command import animate
 from viscorod.cli.buckling_command import buckling
 from viscorod.cli.check_command import check
 from viscorod.cli.damping_commands import app as damping
+from viscorod.cli.ensemble_command import ensemble
 from viscorod.cli.example_command import example
 from viscorod.cli.export_command import export
 from viscorod.cli.followed_commands import campbell, stability
+from viscorod.cli.identify_command import identify
 from viscorod.cli.modes_command import modes
 from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
@@ -52,6 +54,8 @@ for command in (
     stability,
     periodic,
     sweep,
+    ensemble,
+    identify,
     theories,
     view,
     plot,

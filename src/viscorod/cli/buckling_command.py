@@ -11,6 +11,7 @@ from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
+from viscorod.errors import SolveError
 
 __all__ = ["buckling"]
 
@@ -40,6 +41,7 @@ def buckling(
     with readable_errors():
         from viscorod.analyses.case_run import as_model
         from viscorod.casefile.case import load_case
+        from viscorod.cli.progress import reporting
         from viscorod.solve.settings.buckling import BucklingSettings
 
         loaded = load_case(existing(case))
@@ -52,8 +54,19 @@ def buckling(
         given = {"count": count, "constant": constant or None}
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
-        with polite_stop() as stop:
-            found = as_model(loaded.description).buckling(**settings, title=loaded.title, stop=stop)
+        code = 0
+        try:
+            with polite_stop() as stop, reporting(BucklingSettings().course) as progress:
+                found = as_model(loaded.description).buckling(
+                    **settings, title=loaded.title, stop=stop, progress=progress
+                )
+        except SolveError as error:
+            if error.run is None:
+                raise
+            typer.echo(f"error: {error}", err=True)
+            found, code = error.run, 1
         written = [found.save(folder / "buckling.nc"), found.plot(folder / "buckling.png")]
         typer.echo(found.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        if code:
+            raise typer.Exit(code)

@@ -65,13 +65,14 @@ def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:
     raise InputError(Fault("--rod", name, "the case has no such rod", f"{advice}It has {names}"))
 
 
-def case_for(kind: str, path: Path, needs: str) -> Case:
-    """Return the case of a file that asks for an analysis, by its table; ``needs`` names what stands in that.
+def case_for(kind: str, path: Path) -> Case:
+    """Return the case of a file that asks for an analysis, by its table.
 
     Raises:
         InputError: no such file, something in it is wrong, or it asks for another analysis.
     """
     from viscorod.casefile.case import load_case
+    from viscorod.casefile.case_reader import ANALYSES
 
     case = load_case(existing(path))
     if case.kind != kind:
@@ -80,7 +81,7 @@ def case_for(kind: str, path: Path, needs: str) -> Case:
                 case.kind,
                 "",
                 "the case asks for another analysis",
-                f"give a table [{kind}] in its place, with {needs}",
+                f"give a table [{kind}] in its place, with {ANALYSES[kind].needs}",
             )
         )
     return case

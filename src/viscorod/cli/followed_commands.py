@@ -10,29 +10,38 @@ from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
+from viscorod.errors import SolveError
 
 __all__ = ["campbell", "stability"]
 
 
 def campbell(case: CaseFile, output: ResultFolder = None) -> None:
     """Compute the Campbell diagram of a case with a table [campbell]: a report, data, a table and a picture."""
-    _follow("campbell", case, output, "axis and band")
+    _follow("campbell", case, output)
 
 
 def stability(case: CaseFile, output: ResultFolder = None) -> None:
     """Follow the modes of a case with a table [stability] over its load: a report, data, a table and a picture."""
-    _follow("stability", case, output, "a band")
+    _follow("stability", case, output)
 
 
-def _follow(kind: str, path: Path, output: Path | None, needs: str) -> None:
+def _follow(kind: str, path: Path, output: Path | None) -> None:
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
+        from viscorod.cli.progress import reporting
         from viscorod.results.followed_modes import FollowedModes
 
-        case = case_for(kind, path, needs)
+        case = case_for(kind, path)
         folder = writable(output or Path("out") / path.stem)
-        with polite_stop() as stop:
-            result = run_case(case, discretised_case(case), stop=stop)
+        code = 0
+        try:
+            with polite_stop() as stop, reporting(case.settings.course) as progress:
+                result = run_case(case, discretised_case(case), progress=progress, stop=stop)
+        except SolveError as error:
+            if error.run is None:
+                raise
+            typer.echo(f"error: {error}", err=True)
+            result, code = error.run, 1
         assert isinstance(result, FollowedModes)
         written = [
             result.save(folder / f"{kind}.nc"),
@@ -41,3 +50,5 @@ def _follow(kind: str, path: Path, output: Path | None, needs: str) -> None:
         ]
         typer.echo(result.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        if code:
+            raise typer.Exit(code)

@@ -23,13 +23,14 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
     """Follow the periodic motions of a case with a table [periodic]: a report, data, a table and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
+        from viscorod.cli.progress import reporting
         from viscorod.results.periodic import Periodic
 
-        loaded = case_for("periodic", case, "inputs, amplitudes, outputs and frequencies")
+        loaded = case_for("periodic", case)
         folder = writable(output or Path("out") / case.stem)
         try:
-            with polite_stop() as stop:
-                result = run_case(loaded, discretised_case(loaded), stop=stop)
+            with polite_stop() as stop, reporting(loaded.settings.course) as progress:
+                result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
         except SolveError as error:
             if error.run is None:
                 raise

@@ -8,6 +8,8 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
+from viscorod.solve.settings.course import Course
+
 Progress: TypeAlias = Callable[[float, float], None]
 """Called after every step with the time reached [s] (or the load factor) and the step's size."""
 
@@ -15,18 +17,14 @@ _REFRESH = 0.05  # seconds between two updates of the bar
 _LINES = 5  # lines over a whole run where there is no terminal
 
 
-TIME, LOAD, FREQUENCY = ("t", " s"), ("load", ""), ("f", " Hz")
-"""What grows during a solution: its name and its unit."""
-
-
 @contextmanager
-def reporting(total: float, quantity: tuple[str, str]) -> Iterator[Progress]:
-    """Show progress towards a ``total`` time, load factor or frequency."""
+def reporting(course: Course) -> Iterator[Progress]:
+    """Show progress along what grows during an analysis: time, load factor, frequency or speed."""
     if sys.stderr.isatty():
-        with _bar(total, quantity) as progress:
+        with _bar(course) as progress:
             yield progress
     else:
-        yield _lines(total, quantity)
+        yield _lines(course)
 
 
 @contextmanager
@@ -59,35 +57,35 @@ def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
 
 
 @contextmanager
-def _bar(total: float, quantity: tuple[str, str]) -> Iterator[Progress]:
+def _bar(course: Course) -> Iterator[Progress]:
     from rich.console import Console
     from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
-    name, unit = quantity
+    end = "" if course.end is None else f" of {course.end:g}"
     columns = (
-        TextColumn(name + " = {task.completed:.4g} of {task.total:g}" + unit),
+        TextColumn(f"{course.name} = {{task.fields[reached]:.4g}}{end}{course.unit}"),
         BarColumn(bar_width=None),
-        TextColumn("step {task.fields[step]:.3g}" + unit),
+        TextColumn("step {task.fields[step]:.3g}" + course.unit),
         TimeRemainingColumn(),
         TextColumn("left"),
     )
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        task = bar.add_task("", total=total, step=0.0)
+        total = None if course.end is None else 1.0
+        task = bar.add_task("", total=total, step=0.0, reached=course.start)
         last = 0.0
 
         def update(reached: float, step: float) -> None:
             nonlocal last
             now = time.monotonic()
-            if now - last > _REFRESH or reached >= total:
+            if now - last > _REFRESH or course.part(reached) >= 1.0:
                 last = now
-                bar.update(task, completed=reached, step=step)
+                bar.update(task, completed=course.part(reached), step=step, reached=reached)
 
         yield update
 
 
-def _lines(total: float, quantity: tuple[str, str]) -> Progress:
-    name, unit = quantity
-    shown = 0
+def _lines(course: Course) -> Progress:
+    shown, name, unit = 0, course.name, course.unit
     first: tuple[float, float] | None = (
         None  # when and where the first step ended; the time before it was preparation
     )
@@ -96,13 +94,14 @@ def _lines(total: float, quantity: tuple[str, str]) -> Progress:
         nonlocal shown, first
         now = time.monotonic()
         first = first or (now, reached)
-        part = int(_LINES * reached / total * (1.0 + 1e-9))
+        done = course.part(reached)
+        part = int(_LINES * done * (1.0 + 1e-9))
         if part > shown:
             shown = part
-            began, start = first
-            state = f"{name} = {reached:.4g} of {total:g}{unit}, step {step:.3g}{unit}"
-            if reached > start:
-                left = (now - began) * (total - reached) / (reached - start)
+            began, start = first[0], course.part(first[1])
+            state = f"{name} = {reached:.4g} of {course.end:g}{unit}, step {step:.3g}{unit}"
+            if done > start:
+                left = (now - began) * (1.0 - done) / (done - start)
                 state += f", {max(left, 0.0):.1f} s left"
             print(state, file=sys.stderr, flush=True)
 

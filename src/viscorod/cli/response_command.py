@@ -19,16 +19,14 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
     """Compute the frequency response of a case with a table [response]: a report, data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import FREQUENCY, reporting
+        from viscorod.cli.progress import reporting
         from viscorod.results.frequency_response import FrequencyResponse
-        from viscorod.solve.settings.response import ResponseSettings
 
-        loaded = case_for("response", case, "inputs, outputs and a band")
+        loaded = case_for("response", case)
         folder = writable(output or Path("out") / case.stem)
-        assert isinstance(loaded.settings, ResponseSettings)
         code = 0
         try:
-            with polite_stop() as stop, reporting(loaded.settings.highest, FREQUENCY) as progress:
+            with polite_stop() as stop, reporting(loaded.settings.course) as progress:
                 result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
         except SolveError as error:
             if not isinstance(error.run, FrequencyResponse):

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from viscorod.cli.files import existing, writable
+from viscorod.cli.key_values import SetValues, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
@@ -31,15 +32,17 @@ def run(
     anew: Annotated[
         bool, typer.Option("--anew", help="Remove a run that was stopped in the folder, and begin anew.")
     ] = False,
+    values: SetValues = None,
 ) -> None:
     """Compute a case: print a report, write data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case
         from viscorod.analyses.check import doubts
         from viscorod.casefile.case import load_case
+        from viscorod.casefile.set_values import with_values
         from viscorod.results.files.folder_lock import require_free
 
-        loaded = load_case(existing(case))
+        loaded = with_values(load_case(existing(case)), dict(map(value_of, values or [])))
         folder = writable(output or Path("out") / case.stem)
         require_free(folder, stopped=anew)
         discrete = discretised_case(loaded)
@@ -64,6 +67,7 @@ def resume(
     """Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run."""
     with readable_errors():
         from viscorod.casefile.case import parse_case
+        from viscorod.casefile.set_values import with_values
         from viscorod.results.files.folder_lock import require_free, require_stopped
         from viscorod.results.files.journal import FOLDER, about
 
@@ -79,7 +83,8 @@ def resume(
         if now is not None:
             _require_same(text, now)
         doubts = json.loads(str(known.get("doubts", "[]")))
-        _compute(parse_case(text, source), folder, doubts)
+        changes = json.loads(str(known.get("case_changes", "{}")))
+        _compute(with_values(parse_case(text, source), changes), folder, doubts)
 
 
 def _require_same(text: str, path: Path) -> None:
@@ -107,25 +112,18 @@ def _compute(
 ) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
-    from viscorod.cli.progress import FREQUENCY, LOAD, TIME, reporting
+    from viscorod.cli.progress import reporting
     from viscorod.results.files.folder_lock import claimed
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove
     from viscorod.results.run import Run
     from viscorod.solve.settings.motion import SimulateSettings
-    from viscorod.solve.settings.response import ResponseSettings
 
-    settings = case.settings
-    static = not isinstance(settings, SimulateSettings)
-    total, quantity = 1.0, LOAD
-    if isinstance(settings, SimulateSettings):
-        total, quantity = settings.duration, TIME
-    elif isinstance(settings, ResponseSettings):
-        total, quantity = settings.highest, FREQUENCY
+    static = not isinstance(case.settings, SimulateSettings)
     result: AnyResult
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
-            with polite_stop() as stop, reporting(total, quantity) as progress:
+            with polite_stop() as stop, reporting(case.settings.course) as progress:
                 result = run_case(
                     case,
                     discrete,

@@ -2,73 +2,195 @@
 
 from __future__ import annotations
 
-import tomllib
+from contextlib import nullcontext
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
 from viscorod.cli.files import existing, writable
+from viscorod.cli.key_values import column_of, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import InputError, SolveError
 
-__all__ = ["sweep"]
+if TYPE_CHECKING:
+    from viscorod.results.sweep_result import Sweep
+
+__all__ = [
+    "Errors",
+    "ExecutorOption",
+    "Members",
+    "QuantityOptions",
+    "Scheduler",
+    "Workers",
+    "executor_of",
+    "sweep",
+    "write",
+]
+
+LARGEST_FILE = 2000
+"""Members of a sweep that is written to one file with their results; of larger ones the folder has all."""
+
+QuantityOptions = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--quantity",
+        metavar="NAME=WORDS",
+        help='Number of each member, such as "tip=displacement beam.end y max". Repeat it for more.',
+        show_default=False,
+    ),
+]
+ExecutorOption = Annotated[
+    str | None,
+    typer.Option(
+        "--executor",
+        metavar="KIND",
+        help="processes:8, threads:2 or dask [default: one process per processor]",
+        show_default=False,
+    ),
+]
+Scheduler = Annotated[
+    str | None,
+    typer.Option("--scheduler", metavar="ADDRESS", help="Of Dask, with --executor dask.", show_default=False),
+]
+Members = Annotated[
+    str | None,
+    typer.Option(
+        "--members",
+        metavar="FIRST:END",
+        help="Compute these only, counted from 0, such as 100:200 in an array job.",
+        show_default=False,
+    ),
+]
+Workers = Annotated[
+    int | None,
+    typer.Option("--workers", min=1, help="Number of processes; 1 is this one.", show_default=False),
+]
+
+Errors = Annotated[
+    int | None,
+    typer.Option(
+        "--errors",
+        min=0,
+        metavar="NUMBER",
+        help="Members, evenly chosen, whose errors of mesh and steps are estimated [default: all]",
+        show_default=False,
+    ),
+]
 
 
 def sweep(
     case: CaseFile,
     values: Annotated[
-        list[str],
+        list[str] | None,
         typer.Option(
             "--set",
             metavar="KEY=VALUES",
             help="Key of the case file and its values, one per member: rods.beam.elements=1,2,4. "
-            "Repeat it for keys that vary together.",
-        ),
-    ],
-    output: ResultFolder = None,
-    workers: Annotated[
-        int | None,
-        typer.Option(
-            "--workers", min=1, help="Number of processes [default: one per processor]", show_default=False
+            "Repeat it for keys that vary together; one value beside more is that of all members.",
+            show_default=False,
         ),
     ] = None,
+    grid: Annotated[
+        list[str] | None,
+        typer.Option(
+            "--grid",
+            metavar="KEY=VALUES",
+            help="Key of which every value is combined with all others: 0.01:0.05:9 (first, last, number) or a list.",
+            show_default=False,
+        ),
+    ] = None,
+    table: Annotated[
+        Path | None,
+        typer.Option("--table", metavar="FILE.csv", help="Values of the members, keys in the first line."),
+    ] = None,
+    quantity: QuantityOptions = None,
+    fields: Annotated[bool, typer.Option("--fields", help="Keep whole results beside quantities.")] = False,
+    output: ResultFolder = None,
+    executor: ExecutorOption = None,
+    scheduler: Scheduler = None,
+    members: Members = None,
+    workers: Workers = None,
+    errors: Errors = None,
 ) -> None:
-    """Compute a case with several values, in parallel: print a table, write data."""
+    """Compute a case with many values: print a table, write data."""
     with readable_errors():
         from viscorod.analyses.sweep import sweep as compute
+        from viscorod.analyses.sweeps.rows import rows_of
         from viscorod.casefile.case import load_case
         from viscorod.cli.progress import counting
         from viscorod.results.files.folder_lock import locked
 
         loaded = load_case(existing(case))
-        table = dict(map(_column, values))
+        columns = dict(map(column_of, values or []))
+        crossed = dict(map(grid_of, grid or []))
         folder = writable(output or Path("out") / case.stem)
-        count = max(map(len, table.values()), default=0)
-        with locked(folder):
+        several = bool(crossed or table) or max(map(len, columns.values()), default=0) > 1
+        constants = {key: column[0] for key, column in columns.items() if several and len(column) == 1}
+        columns = {key: column for key, column in columns.items() if key not in constants}
+        if table is not None and columns:
+            raise InputError(
+                "--set: a table has the columns that vary; give one value for all members, or --grid"
+            )
+        given: dict[str, Any] = {
+            "values": table or columns or None,
+            "grid": crossed or None,
+            "constants": constants or None,
+        }
+        count = len(rows_of(**given))
+        part = part_of(members)
+        asked = dict(map(named, quantity or []))
+        array_job = part is not None  # several of them share the folder
+        with nullcontext() if array_job else locked(folder):
             try:
                 with counting(count, "members") as progress:
-                    result = compute(loaded, table, workers=workers, progress=progress)
+                    result = compute(
+                        loaded,
+                        **given,
+                        quantities=asked or None,
+                        fields=True if fields or not asked else None,
+                        executor=executor_of(executor, scheduler),
+                        workers=workers,
+                        folder=folder / "sweep" if asked or array_job else None,
+                        members=part,
+                        errors=errors,
+                        progress=progress,
+                    )
             except SolveError as error:
                 typer.echo(f"error: {error}", err=True)
                 result = error.run
             typer.echo(result.report())
-            typer.echo(f"\nWritten: {result.save(folder / 'sweep.nc')}")
-        if result.failed:
+            typer.echo(f"\nWritten: {', '.join(map(str, write(result, folder, alone=not array_job)))}")
+        left_out = ("not run",) if array_job else ()
+        if any(member.outcome not in left_out for member in result.failed):
             raise typer.Exit(1)
 
 
-def _column(text: str) -> tuple[str, list[Any]]:
-    """Return a key and its values from ``key=1,2,4``; values are written as in a case file."""
-    key, sign, values = text.partition("=")
-    try:
-        column = tomllib.loads(f"values = [{values}]")["values"]
-    except tomllib.TOMLDecodeError:
-        column = []
-    if not sign or not column:
-        raise InputError(
-            f"--set {text}: give a key and values as in a case file, separated by commas, such as "
-            'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
-        )
-    return key.strip(), column
+def executor_of(executor: str | None, scheduler: str | None) -> str | None:
+    """Return the executor in one text.
+
+    Raises:
+        InputError: there is a scheduler without Dask.
+    """
+    if scheduler is None:
+        return executor
+    if executor != "dask":
+        raise InputError(f"--scheduler {scheduler}: only Dask has one; add --executor dask")
+    return f"dask:{scheduler}"
+
+
+def write(result: Sweep, folder: Path, *, alone: bool = True) -> list[Path]:
+    """Write a sweep, and its table if it has quantities; an array job leaves both to whoever has all members."""
+    if not alone:
+        return [folder / "sweep"]
+    written = []
+    if result.quantities:
+        path = folder / "sweep.csv"
+        result.table().to_csv(path)
+        written.append(path)
+    if len(result.members) <= LARGEST_FILE:
+        written.insert(0, result.save(folder / "sweep.nc"))
+    else:
+        written.insert(0, folder / "sweep")
+    return written

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.records.arguments import described
 from viscorod.records.unknown import Unknown, resolved
 from viscorod.typing import Floats
 
@@ -49,6 +50,7 @@ class AnyRecord(ABC):
             InputError: the result is of another kind, or does not reach as far as the record.
         """
 
+    @described
     def by_nuisances(self, result: Any, nuisances: Mapping[str, float] | None = None) -> dict[str, Floats]:
         """Return the derivatives of `predicted` by the unknowns of the measurement (n,) each, central differences.
 
@@ -110,9 +112,12 @@ def finite(where: str, values: Any, dims: int = 1) -> Floats:
         InputError: they are none; the message says where.
     """
     try:
-        found = np.array(values, dtype=float)
-    except (TypeError, ValueError):
-        raise InputError(Fault(where, "", "these are no numbers", "give a list of numbers")) from None
+        given = np.asarray(values)
+        found = np.array(values, dtype=float) if given.dtype.kind in "fiubO" else None
+    except (TypeError, ValueError, OverflowError):
+        found = None
+    if found is None:
+        raise InputError(Fault(where, "", "these are no numbers", "give a list of numbers"))
     if found.ndim != dims or found.size == 0:
         raise InputError(
             Fault(
@@ -165,7 +170,8 @@ def deviations(where: str, noise: Any, shape: tuple[int, ...]) -> Floats | None:
     """
     if noise is None:
         return None
-    found = np.asarray(noise, dtype=float)
+    given = np.ndim(noise) if hasattr(noise, "__array__") else int(isinstance(noise, list | tuple))
+    found = finite(where, noise, given)
     try:
         full = np.array(np.broadcast_to(found, shape))
     except ValueError:
@@ -179,6 +185,6 @@ def deviations(where: str, noise: Any, shape: tuple[int, ...]) -> Floats | None:
         ) from None
     if not ((full > 0.0) & np.isfinite(full)).all():
         raise InputError(
-            Fault(where, "", "standard deviations are positive", "leave noise out where it is not known")
+            Fault(where, "", "standard deviations are positive", "leave it out where it is not known")
         )
     return full.ravel()

@@ -10,6 +10,7 @@ from scipy.stats import t as student
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import finite, increasing
+from viscorod.records.arguments import described
 from viscorod.records.damped_sines import SineFit, fit_sines, pencil_poles, residual_peak
 from viscorod.records.decay_doubts import doubts
 from viscorod.records.motion_record import Record
@@ -32,6 +33,7 @@ ABOVE_NOISE = 3.0
 CONFIDENCE = 0.95
 
 
+@described
 def decay(
     source: Any,
     values: Any = None,

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import json
+import re
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import pairwise
@@ -12,11 +14,12 @@ from typing import Any
 import numpy as np
 from scipy.stats import norm
 
-from viscorod.checks import checked_with
+from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.dma_table import read_dma_sweeps
 from viscorod.model.materials.sweeps import DmaTable
+from viscorod.records.arguments import described
 from viscorod.records.overlap import DECADE, Overlap, overlapped
 from viscorod.records.shift_laws import LawFit, fit_arrhenius, fit_wlf
 from viscorod.results.master_curve_result import MasterCurve
@@ -37,12 +40,12 @@ PER_DECADE = 8
 Sweep = tuple[float, DmaTable]
 
 
-@checked_with(reference=lambda _, value: value)
+@described
 def master_curve(
     files: str | Path | Sequence[str | Path] | Sequence[Sweep],
     *,
     reference: float | None = None,
-    vertical: bool | None = None,
+    vertical: bool = True,
     band: tuple[float, float] | None = None,
     law_range: tuple[float, float] | None = None,
     frequency_unit: str | None = None,
@@ -60,7 +63,8 @@ def master_curve(
             `DmaTable`.
         reference: temperature of the curve, degrees C, the nearest sweep is taken; left out, that with the largest
             loss factor.
-        vertical: whether moduli are shifted too; left out, if Bayes' criterion says so.
+        vertical: whether moduli are shifted too; without it the intervals are narrower, and wrong where moduli depend
+            on temperature by more than their times do.
         band: frequencies that count, Hz: those near the instrument's resonance do not.
         law_range: temperatures from which the laws are fitted, degrees C; left out, all whose shift is known to 0.5
             decades.
@@ -73,6 +77,9 @@ def master_curve(
     sweeps, notes = _sweeps(files, frequency_unit, modulus_unit)
     if band is not None:
         sweeps = [(celsius, _within(table, *band)) for celsius, table in sweeps]
+    else:
+        sweeps, left_out = _without_resonance(sweeps)
+        notes += left_out
     sweeps = [one for one in sweeps if len(one[1].omega) > 2]
     if len(sweeps) < FEWEST:
         raise InputError(
@@ -82,24 +89,28 @@ def master_curve(
     celsius = np.array([one[0] for one in sweeps])
     tables = [one[1] for one in sweeps]
     first = _reference(celsius, tables, reference)
-    fits = [
-        overlapped(tables, celsius, first, lifted)
-        for lifted in ((False, True) if vertical is None else (vertical,))
-    ]
-    fit = min(fits, key=lambda one: one.information)
-    lifted = fit is fits[-1] and vertical is not False
+    fit = overlapped(tables, celsius, first, vertical)
     decades, covariance = fit.log_a / DECADE, fit.covariance[: len(celsius), : len(celsius)] / DECADE**2
     width = float(norm.ppf(0.975)) * np.sqrt(np.diag(covariance))
     used = width <= KNOWN
     if law_range is not None:
         used = (celsius >= law_range[0]) & (celsius <= law_range[1])
+        if not used.any():
+            raise InputError(
+                Fault(
+                    "law_range",
+                    f"{law_range[0]:g} to {law_range[1]:g} C",
+                    "no sweep is there",
+                    "give other temperatures",
+                )
+            )
     block = covariance[np.ix_(used, used)]
     laws = {
         "wlf": fit_wlf(celsius[used], decades[used], block, float(celsius[first])),
         "arrhenius": fit_arrhenius(celsius[used], decades[used], block, float(celsius[first])),
     }
-    doubts = [*notes, *_doubts(celsius, tables, fit, width, used)]
-    return _result(celsius, tables, first, fit, width, laws, used, lifted, doubts, title)
+    doubts = [*notes, *_doubts(celsius, fit, width, used)]
+    return _result(celsius, tables, first, fit, width, laws, used, vertical, doubts, title)
 
 
 def _sweeps(
@@ -122,9 +133,18 @@ def _sweeps(
                         f"the sample's temperature goes {wander:.2g} K away from its mean of {celsius:.4g} C within a "
                         "sweep"
                     )
+        elif not (isinstance(item, tuple) and len(item) == 2 and isinstance(item[1], DmaTable)):
+            raise InputError(
+                Fault(
+                    "files",
+                    type(item).__name__,
+                    "no file of moduli",
+                    "give paths, or pairs of a temperature and a table",
+                )
+            )
         else:
             celsius, table = item
-            found.append((float(celsius), table))
+            found.append((number("files", celsius), table))
     found.sort(key=lambda one: one[0])
     if len(notes) > 3:
         notes = [
@@ -143,12 +163,36 @@ def _sweeps(
     return found, notes
 
 
+def _without_resonance(sweeps: list[Sweep]) -> tuple[list[Sweep], list[str]]:
+    """Return the sweeps without frequencies that are off in many of them, and what is to be said of it."""
+    spikes = Counter(
+        float(found[2])
+        for _, table in sweeps
+        for note in table.notes
+        if (found := re.match(r"the (storage|loss) modulus at (\S+) Hz is ", note))
+    )
+    notes = []
+    for hertz, times in sorted(spikes.items()):
+        if times > SPIKED * len(sweeps):
+            notes.append(
+                f"{hertz:g} Hz is off what its neighbours lead to expect in {times} of {len(sweeps)} sweeps: that is "
+                "the instrument, and it is left out (band chooses frequencies)"
+            )
+            sweeps = [
+                (celsius, _kept(table, np.abs(table.omega / (2.0 * np.pi * hertz) - 1.0) > 5e-3))
+                for celsius, table in sweeps
+            ]
+    return sweeps, notes
+
+
+def _kept(table: DmaTable, which: np.ndarray) -> DmaTable:
+    return replace(table, omega=table.omega[which], storage=table.storage[which], loss=table.loss[which])
+
+
 def _within(table: DmaTable, low: float, high: float) -> DmaTable:
     hertz = table.omega / (2.0 * np.pi)
     inside = (hertz >= low * (1.0 - 1e-9)) & (hertz <= high * (1.0 + 1e-9))
-    return replace(
-        table, omega=table.omega[inside], storage=table.storage[inside], loss=table.loss[inside], notes=()
-    )
+    return _kept(table, inside)
 
 
 def _reference(celsius: Floats, tables: list[DmaTable], wanted: float | None) -> int:
@@ -167,9 +211,7 @@ def _reference(celsius: Floats, tables: list[DmaTable], wanted: float | None) ->
     return nearest
 
 
-def _doubts(
-    celsius: Floats, tables: list[DmaTable], fit: Overlap, width: Floats, used: np.ndarray
-) -> list[str]:
+def _doubts(celsius: Floats, fit: Overlap, width: Floats, used: np.ndarray) -> list[str]:
     found = []
     apart = celsius[~fit.bridged]
     if len(apart):
@@ -183,18 +225,6 @@ def _doubts(
             f"the shift at {', '.join(f'{one:.4g}' for one in wide)} C is not known to {KNOWN:g} decades: the moduli "
             "hardly change with frequency there"
         )
-    spikes: dict[str, int] = {}
-    for table in tables:
-        for note in table.notes:
-            if " Hz is " in note:
-                word = note.split(" Hz is ")[0]
-                spikes[word] = spikes.get(word, 0) + 1
-    found += [
-        f"{word} Hz is off what its neighbours lead to expect in {times} of {len(tables)} sweeps: that is the "
-        "instrument, and band leaves it out"
-        for word, times in spikes.items()
-        if times > SPIKED * len(tables)
-    ]
     if not used.all() and used.any():
         found.append(f"the laws are fitted from {celsius[used].min():.4g} to {celsius[used].max():.4g} C")
     return found

@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.arguments import described
 from viscorod.records.other_files import columns_of
 from viscorod.records.read_off import BODY_AXES, QUANTITIES, Direction, motion_along
 from viscorod.records.unknown import Unknown
@@ -56,6 +57,7 @@ class Record(AnyRecord):
     kind: ClassVar[str] = "motion"
     analysis: ClassVar[str] = "simulate"
 
+    @described
     def __init__(
         self,
         times: Any,
@@ -122,6 +124,7 @@ class Record(AnyRecord):
         self._named(name or place, unknown, known)
 
     @classmethod
+    @described
     def read(
         cls,
         source: Any,
@@ -180,6 +183,7 @@ class Record(AnyRecord):
         off = np.abs(self.times - (self.times[0] + mean * np.arange(len(self.times))))
         return mean if float(off.max()) <= EVEN * mean else None
 
+    @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a run says that should have been measured at the samples (n,); see `AnyRecord`.
 
@@ -191,6 +195,7 @@ class Record(AnyRecord):
         raw = self.read_off(result, values)
         return self.measured(raw, values)
 
+    @described
     def read_off(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return the model's quantity along the direction at the samples (n,), before gain and offset."""
         values = self.values_of(nuisances)
@@ -199,6 +204,7 @@ class Record(AnyRecord):
         marker = np.array([self.nuisance(f"marker_{k}", values) for k in (1, 2, 3)])
         return motion_along(result, self, times, self.lever + marker, turn)
 
+    @described
     def measured(
         self, raw: Floats, nuisances: Mapping[str, float] | None = None, *, change: bool = False
     ) -> Floats:
@@ -210,7 +216,16 @@ class Record(AnyRecord):
             change: whether `raw` is a derivative, to which offset and drift do not belong.
         """
         values = self.values_of(nuisances)
-        shown = self.nuisance("gain", values, 1.0) * np.asarray(raw)
+        given = np.asarray(raw) if hasattr(raw, "dtype") else finite("raw", raw)
+        if (
+            given.dtype.kind not in "fiu"
+            or given.shape[-1:] != self.times.shape
+            or not np.isfinite(given).all()
+        ):
+            raise InputError(
+                f"record {self.name}: raw: {len(self.times)} finite numbers are needed, as of read_off"
+            )
+        shown = self.nuisance("gain", values, 1.0) * given
         if change:
             return shown
         found: Floats = (
@@ -220,6 +235,7 @@ class Record(AnyRecord):
         )
         return found
 
+    @described
     def window(self, start: float, end: float) -> Self:
         """Return the samples between two times, s.
 
@@ -277,6 +293,7 @@ class Record(AnyRecord):
             noise = noise[::factor] * float(np.sqrt(np.sum(taps**2)))
         return self._with(self.times[::factor], values, noise)
 
+    @described
     def with_noise_of(self, start: float, end: float) -> Self:
         """Return the record with the noise that a stretch at rest has, s: the deviation from a straight line there."""
         still = self.window(start, end)

@@ -8,8 +8,10 @@ from typing import Any, ClassVar
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.materials.dma_table import read_dma_table
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.arguments import described
 from viscorod.records.columns import si_size
 from viscorod.records.other_files import columns_of
 from viscorod.records.read_off import QUANTITIES, Direction, strain_along
@@ -17,6 +19,21 @@ from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
 __all__ = ["ModesRecord", "ModuliRecord", "ResponseRecord", "StaticRecord"]
+
+
+NORMAL = 1.959963984540054
+"""Standard deviations of half of a 95 % interval."""
+
+
+def _complex(where: str, values: Any) -> np.ndarray:
+    """Return complex numbers in one row."""
+    try:
+        given = np.asarray(values)
+    except ValueError:
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "fiuc" or given.ndim != 1:
+        raise InputError(Fault(where, "", "these are no complex numbers in one row", "give a list of them"))
+    return given
 
 
 class ResponseRecord(AnyRecord):
@@ -40,6 +57,7 @@ class ResponseRecord(AnyRecord):
     kind: ClassVar[str] = "response"
     analysis: ClassVar[str] = "response"
 
+    @described
     def __init__(
         self,
         frequencies: Any,
@@ -53,7 +71,7 @@ class ResponseRecord(AnyRecord):
     ) -> None:
         where = f"record {name}"
         self.frequencies = increasing(f"{where}: frequencies", frequencies)
-        given = np.asarray(values)
+        given = _complex(f"{where}: values", values)
         self.observed = finite(f"{where}: values", np.concatenate([np.real(given), np.imag(given)], axis=0))
         if len(self.observed) != 2 * len(self.frequencies):
             raise InputError(
@@ -75,6 +93,7 @@ class ResponseRecord(AnyRecord):
         self._named(name, unknown, {"gain": (1.0, 1e-3, 1e3), "delay": (0.0, -0.25 / step, 0.25 / step)})
 
     @classmethod
+    @described
     def read(
         cls,
         source: Any,
@@ -128,6 +147,7 @@ class ResponseRecord(AnyRecord):
         found: np.ndarray = self.observed[:count] + 1j * self.observed[count:]
         return found
 
+    @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a `FrequencyResponse` says (2 n,), straight lines between its frequencies; see `AnyRecord`."""
         self._needs(result, "response")
@@ -169,6 +189,7 @@ class ModesRecord(AnyRecord):
     kind: ClassVar[str] = "modes"
     analysis: ClassVar[str] = "modes"
 
+    @described
     def __init__(
         self,
         frequencies: Any,
@@ -199,8 +220,12 @@ class ModesRecord(AnyRecord):
                         "0.01 is one per cent",
                     )
                 )
+        if modes is not None and (isinstance(modes, str | bytes) or not isinstance(modes, Sequence)):
+            raise InputError(
+                Fault(f"{where}: modes", type(modes).__name__, "no list of modes", "give [1, 2, 3]")
+            )
         self.modes = tuple(range(1, count + 1)) if modes is None else tuple(modes)
-        if len(self.modes) != count or len(set(self.modes)) != count:
+        if len(self.modes) != count or len(set(map(str, self.modes))) != count:
             raise InputError(
                 Fault(f"{where}: modes", str(self.modes), f"{count} different modes are needed", "")
             )
@@ -229,6 +254,28 @@ class ModesRecord(AnyRecord):
         self.noise = np.concatenate(known) if known else None
         self._named(name, unknown, {"clock": (1.0, 0.5, 2.0)})
 
+    @classmethod
+    @described
+    def of(cls, found: Any, **more: Any) -> ModesRecord:
+        """Return the modes of a `Decay` or a `ModalFit` as a record, with the noise that their intervals mean.
+
+        Args:
+            found: the result.
+            more: all else that a record has: modes, unknown, name.
+
+        Raises:
+            InputError: it is no such result.
+        """
+        if getattr(found, "kind", "") not in ("decay", "modal_fit"):
+            raise InputError(
+                Fault("found", type(found).__name__, "it has no measured modes", "give a Decay or ModalFit")
+            )
+        widths = [found.data[f"{name}_width"].values / NORMAL for name in ("frequency", "damping_ratio")]
+        return cls(
+            found.frequencies, found.damping_ratios, frequency_noise=widths[0], ratio_noise=widths[1], **more
+        )
+
+    @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return frequencies, and damping ratios if the record has them, of a result of `modes`; see `AnyRecord`."""
         self._needs(result, "modes")
@@ -282,6 +329,7 @@ class StaticRecord(AnyRecord):
     kind: ClassVar[str] = "static"
     analysis: ClassVar[str] = "equilibrium"
 
+    @described
     def __init__(
         self,
         loads: Any,
@@ -304,7 +352,11 @@ class StaticRecord(AnyRecord):
                     where, f"{len(self.values)} values", f"there are {len(self.loads)} loads", "give as many"
                 )
             )
-        self.load_factors = self.loads / float(finite(f"{where}: full_load", full_load, 0))
+        if not abs(full_load) > SMALLEST_NUMBER:
+            raise InputError(
+                Fault(f"{where}: full_load", f"{full_load:g}", "no load", "give the load at factor 1")
+            )
+        self.load_factors = self.loads / full_load
         if quantity not in ("position", "displacement", "strain", "force"):
             raise InputError(
                 Fault(f"{where}: quantity", repr(quantity), "nothing at rest has it",
@@ -318,6 +370,7 @@ class StaticRecord(AnyRecord):
             name or place, unknown, {"offset": (0.0, -1e3 * reach, 1e3 * reach), "gain": (1.0, 0.1, 10.0)}
         )
 
+    @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what an `Equilibrium` says at the loads (n,), straight lines between its states; see `AnyRecord`."""
         self._needs(result, "equilibrium")
@@ -363,6 +416,7 @@ class ModuliRecord(AnyRecord):
     kind: ClassVar[str] = "moduli"
     analysis: ClassVar[str] = "material"
 
+    @described
     def __init__(
         self,
         frequencies: Any,
@@ -396,6 +450,7 @@ class ModuliRecord(AnyRecord):
         self._named(name, unknown, {"gain": (1.0, 0.1, 10.0)})
 
     @classmethod
+    @described
     def read(cls, path: str, **options: Any) -> ModuliRecord:
         """Return a table of one sweep that an instrument exported; see `ModulusTable` for files and options.
 
@@ -413,6 +468,7 @@ class ModuliRecord(AnyRecord):
             own.setdefault("of", table.strain)
         return cls(table.omega / (2.0 * np.pi), table.storage, table.loss, **own)
 
+    @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a `Material` says (2 n,); see `AnyRecord`.
 

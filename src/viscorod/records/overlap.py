@@ -21,16 +21,20 @@ from viscorod.typing import Floats
 __all__ = ["Overlap", "overlapped"]
 
 DECADE = float(np.log(10.0))
-KNOTS = 1.0
+KNOTS = 2.0
 """Per decade of reduced frequency."""
-BEND = 0.3
-"""Third differences of the curves over a decade that are usual; a peak of the loss modulus has 1 at most."""
-TURN = 0.5 * DECADE
-"""Usual change of the slope of ln a from sweep to sweep; by the law of WLF 0.3 decades at most for steps of 7 K."""
+BEND = 0.05
+"""Third differences of the curves from knot to knot that are usual; a peak of the loss modulus has twice that."""
+TURN = DECADE
+"""Usual change of the step of ln a from sweep to sweep."""
 LIFT = 0.02
 """The same of ln b, which follows density and temperature."""
-FAR = 4.0
-"""Scatters from which on a point is told."""
+ROUGH, LIFTED = 0.03, 0.1
+"""Differences of logarithms of moduli, and lifts, between neighbours that are usual."""
+APART = 10.0
+"""Square of these from which on two sweeps share no moduli."""
+CAREFUL = 0.1
+"""First steps of ln a."""
 HUBER = 2.0
 """Scatters from which on a point counts less."""
 ROUNDS = 12
@@ -49,8 +53,6 @@ class Overlap:
         scatter: standard deviations of the logarithms of storage and loss modulus about the curves.
         knots: of the splines; curves: their coefficients (2, m).
         bridged: whether each sweep's moduli reach into those of a neighbour (n,).
-        far: number of points that are off by more than four scatters.
-        information: Bayes' criterion, smaller is better.
     """
 
     log_a: Floats
@@ -60,8 +62,6 @@ class Overlap:
     knots: Floats
     curves: Floats
     bridged: np.ndarray
-    far: int
-    information: float
 
     def at(self, log_omega: Floats) -> tuple[Floats, Floats]:
         """Return storage and loss modulus of the reference at ln of reduced angular frequencies, Pa."""
@@ -93,7 +93,7 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
     log_a = start - start[reference]
     free = np.delete(np.arange(count), reference)
     layout = _Layout(x, sweep, np.where(known, y, 0.0), _knots(x + log_a[sweep]), free, vertical, celsius)
-    scatter = np.array([0.02, 0.05])
+    scatter = np.array([0.005, 0.01])  # small, so that the curves may follow all that the points say
     weights = known.astype(float)
     for _ in range(ROUNDS):
         before = log_a.copy()
@@ -107,11 +107,6 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
             break
     weighted = layout.whole(log_a, solution, weights / scatter[:, None])
     covariance = _covariance(weighted, weights * residual / scatter[:, None], sweep, layout.size, free, count)
-    numbers = weighted.shape[1] - 2 * layout.size + np.ptp(layout.reduced(log_a)) / DECADE * KNOTS
-    information = float(
-        np.sum(np.count_nonzero(known, axis=1) * np.log(scatter**2))
-        + numbers * np.log(np.count_nonzero(known))
-    )
     log_b = np.zeros(count)
     if vertical:
         log_b[free] = solution[2 * layout.size :]
@@ -123,34 +118,53 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
         knots=layout.knots,
         curves=solution[: 2 * layout.size].reshape(2, -1),
         bridged=bridged,
-        far=int(np.count_nonzero((off > FAR) & known)),
-        information=information,
     )
 
 
 def _neighbours(tables: Sequence[DmaTable]) -> tuple[Floats, np.ndarray]:
-    """Return ln a of every sweep from the storage moduli that it shares with the one before, the first being 0."""
-    log_a = np.zeros(len(tables))
-    touching = np.zeros(len(tables) - 1, dtype=bool)
-    for k in range(1, len(tables)):
-        cold, warm = (
-            (
-                np.maximum.accumulate(np.log(one.storage)) + 1e-12 * np.arange(len(one.omega)),
-                np.log(one.omega),
-            )
-            for one in tables[k - 1 : k + 1]
-        )
-        low, high = max(cold[0][0], warm[0][0]), min(cold[0][-1], warm[0][-1])
-        touching[k - 1] = high > low
-        if high > low:
-            level = np.linspace(low, high, 20)
-            step = float(np.mean(np.interp(level, *cold) - np.interp(level, *warm)))
-        else:  # no level in common: the gap at the mean slope of the two
-            slope = np.mean([max((y[-1] - y[0]) / (x[-1] - x[0]), 1e-3) for y, x in (cold, warm)])
-            step = float((cold[1][0] - warm[1][-1]) - (cold[0][0] - warm[0][-1]) / slope)
-        log_a[k] = log_a[k - 1] + step
-    bridged = np.concatenate([[False], touching]) | np.concatenate([touching, [False]])
-    return log_a, bridged
+    """Return ln a of every sweep from the moduli that it shares with the next warmer one, the warmest being 0.
+
+    A sweep that shares none lies beyond the range of its warmer neighbour, and goes on as the steps before do.
+
+    Returns:
+        ln a (n,), and whether each sweep shares moduli with a neighbour (n,).
+    """
+    count = len(tables)
+    steps, touching = np.zeros(count - 1), np.zeros(count - 1, dtype=bool)
+    for k in range(count - 2, -1, -1):
+        step, misfit = _step(tables[k], tables[k + 1])
+        touching[k] = misfit < APART
+        if touching[k]:
+            steps[k] = step
+            continue
+        grown = steps[k + 1 : k + 3] if k < count - 2 else np.zeros(0)
+        onward = float(grown[0] + max(grown[0] - grown[-1], 0.0)) if len(grown) else 0.0
+        steps[k] = max(onward, float(np.ptp(np.log(tables[k].omega))))
+    log_a = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
+    return log_a, np.append(touching, False) | np.insert(touching, 0, False)
+
+
+def _step(cold: DmaTable, warm: DmaTable) -> tuple[float, float]:
+    """Return the change of ln a from a sweep to the next colder one, and how badly the two then agree.
+
+    The logarithms of both moduli may differ by one small number, the change of ln b.
+    """
+    x, y = (np.log(one.omega) for one in (cold, warm))
+    cold_y, warm_y = (np.log(np.maximum([one.storage, one.loss], 1e-9 * one.storage)) for one in (cold, warm))
+    best = (0.0, np.inf)
+    reach = min(float(np.ptp(x)), float(np.ptp(y)))
+    for step in np.linspace(0.0, 0.8 * reach, 81):
+        # a point of the colder sweep stands at x + step on the axis of the warmer one
+        inside = (x + step >= y[0]) & (x + step <= y[-1])
+        if np.count_nonzero(inside) < 2:
+            continue
+        off = np.stack([np.interp(x[inside] + step, y, one) for one in warm_y]) - cold_y[:, inside]
+        weight = np.array([[1.0], [0.25]])
+        lift = float(np.sum(weight * off) / np.sum(weight * np.ones_like(off)))
+        score = float(np.mean(weight * (off - lift) ** 2)) / ROUGH**2 + (lift / LIFTED) ** 2
+        if score < best[1]:
+            best = (float(step), score)
+    return best
 
 
 def _knots(x: Floats) -> Floats:
@@ -227,16 +241,16 @@ class _Layout:
         """Return the free ln a that leave least over, with what is linear eliminated (Kaufman 1975)."""
         rows = self.rows(weights)
 
-        def at(free: Floats) -> Floats:
+        def at(change: Floats) -> Floats:
             whole = log_a.copy()
-            whole[self.free] = free
+            whole[self.free] += change
             return whole
 
         def misfit(free: Floats) -> Floats:
             matrix = self.linear(at(free)) * rows[:, None]
             right = self.right * rows
             off = matrix @ np.linalg.lstsq(matrix, right, rcond=None)[0] - right
-            return np.concatenate([off, self.turns @ free])
+            return np.concatenate([off, self.turns @ at(free)[self.free]])
 
         def jacobian(free: Floats) -> Floats:
             matrix = self.linear(at(free)) * rows[:, None]
@@ -246,8 +260,12 @@ class _Layout:
             u = u[:, size > 1e-12 * size[0]]
             return np.vstack([slope - u @ (u.T @ slope), self.turns])
 
-        found = least_squares(misfit, log_a[self.free], jac=jacobian, xtol=1e-9, ftol=1e-10, max_nfev=40)
-        return np.asarray(found.x)
+        # changes from zero, so that the first steps are small: there are far minima in which sweeps lie on each other
+        start = np.zeros(len(self.free))
+        found = least_squares(
+            misfit, start, jac=jacobian, x_scale=CAREFUL, xtol=1e-9, ftol=1e-10, max_nfev=60
+        )
+        return np.asarray(log_a[self.free] + found.x)
 
     def whole(self, log_a: Floats, solution: Floats, weights: Floats) -> Floats:
         """Return the weighted derivatives of all equations by everything: curves, ln a, ln b."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from viscorod.checks import file_path
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord
+from viscorod.records.arguments import described
 from viscorod.records.motion_record import Record
 from viscorod.records.other_files import columns_of
 from viscorod.records.other_records import ModesRecord, ModuliRecord, ResponseRecord, StaticRecord
@@ -19,6 +21,7 @@ MOTION_KEYS = ("window", "every", "still")
 """What is done to a history after it was read, in this order of meaning: noise, cut, decimate."""
 
 
+@described
 def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
     """Return the record that a table describes.
 
@@ -30,16 +33,24 @@ def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
     Raises:
         InputError: a key is missing, unknown or wrong.
     """
-    given = dict(table)
+    if not isinstance(table, Mapping):
+        raise InputError(
+            Fault("record", type(table).__name__, "no table of a record", "give keys with values")
+        )
+    given = {str(key): value for key, value in table.items()}
     kind = given.pop("kind", "motion")
-    if kind not in _MAKERS:
+    if not isinstance(kind, str) or kind not in _MAKERS:
         raise InputError(Fault("kind", repr(kind), "no kind of record", f"use one of {', '.join(_MAKERS)}"))
     if "file" in given:
-        given["file"] = str(Path(folder) / str(given["file"]))
+        given["file"] = str(Path(folder) / file_path("file", given["file"]))
     if "unknown" in given:
         listed = given["unknown"] if isinstance(given["unknown"], list) else [given["unknown"]]
-        given["unknown"] = [Unknown(**one) if isinstance(one, Mapping) else one for one in listed]
+        given["unknown"] = listed
     try:
+        if "unknown" in given:
+            given["unknown"] = [
+                Unknown(**one) if isinstance(one, Mapping) else one for one in given["unknown"]
+            ]
         return _MAKERS[kind](given)
     except TypeError as error:
         raise InputError(
@@ -52,10 +63,16 @@ def _motion(given: dict[str, Any]) -> AnyRecord:
     file = given.pop("file", None)
     record = Record(**given) if file is None else Record.read(file, **given)
     if "still" in after:
-        record = record.with_noise_of(*after["still"])
+        record = record.with_noise_of(*_two("still", after["still"]))
     if "window" in after:
-        record = record.window(*after["window"])
+        record = record.window(*_two("window", after["window"]))
     return record.decimated(after["every"]) if "every" in after else record
+
+
+def _two(key: str, value: Any) -> Sequence[float]:
+    if isinstance(value, str | bytes) or not isinstance(value, Sequence) or len(value) != 2:
+        raise InputError(Fault(key, repr(value)[:60], "two times are needed", "give [from, to], s"))
+    return value
 
 
 def _response(given: dict[str, Any]) -> AnyRecord:

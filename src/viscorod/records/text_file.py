@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
@@ -34,10 +35,26 @@ def columns_of_text(path: Path) -> Columns:
     if not path.is_file():
         raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
     try:
-        lines = lines_of(path)
-        return _table(str(path), lines)
+        return _table(str(path), _of_labview(lines_of(path)))
     except RefusedError as error:
         raise InputError(Fault(str(path), error.found or "", error.why, error.instead)) from None
+
+
+def _of_labview(lines: list[str]) -> list[str]:
+    """Return a measurement file of LabVIEW (.lvm) as a table: its head gives units, dimensions and the names."""
+    ends = [k for k, line in enumerate(lines) if line.startswith("***End_of_Header***")]
+    if not ends:
+        return lines
+    head = {cells[0]: cells[1:] for line in lines[: ends[-1]] if (cells := line.split("\t"))}
+    names = lines[ends[-1] + 1].rstrip("\t").split("\t") if len(lines) > ends[-1] + 1 else []
+    names = names[:-1] if names[-1:] == ["Comment"] else names
+    units = ["s" if head.get("X_Dimension", ["Time"])[0] == "Time" else "", *head.get("Y_Unit_Label", [])]
+    titles = [
+        f"{name} [{unit.strip()}]" if unit.strip() else name
+        for name, unit in zip_longest(names, units, fillvalue="")
+    ]
+    rows = ["\t".join(line.split("\t")[: len(names)]) for line in lines[ends[-1] + 2 :]]
+    return [*[""] * (ends[-1] + 1), "\t".join(titles[: len(names)]), *rows]
 
 
 def _table(source: str, lines: list[str]) -> Columns:

@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
-from viscorod.checks import number
+from viscorod.checks import number, text
 from viscorod.errors import Fault, InputError
 
 __all__ = ["Unknown", "resolved"]
@@ -46,12 +46,14 @@ class Unknown:
                 Fault("name", repr(self.name), "no name of an unknown", "give a word such as 'offset'")
             )
         where = f"unknown {self.name}"
-        for name in ("start", "low", "high"):
+        for name in ("start", "low", "high", "deviation"):
             value = getattr(self, name)
-            if value is not None and not (name != "start" and value in (math.inf, -math.inf)):
+            unbounded = isinstance(value, float) and math.isinf(value) and name != "start"
+            if (value is not None or name == "deviation") and not unbounded:
                 object.__setattr__(self, name, number(f"{where}: {name}", value))
-        if self.deviation != math.inf:
-            object.__setattr__(self, "deviation", number(f"{where}: deviation", self.deviation))
+        for name in ("key", "shared"):
+            if getattr(self, name) is not None:
+                text(f"{where}: {name}", getattr(self, name))
         if not self.deviation > 0.0:
             raise InputError(
                 Fault(where, f"{self.deviation:g}", "a deviation is positive", "give a number > 0")
@@ -92,7 +94,7 @@ def resolved(
         unknown = [unknown]
     found: dict[str, Unknown] = {}
     for item in unknown:
-        one = item if isinstance(item, Unknown) else Unknown(item)
+        one = item if isinstance(item, Unknown) else Unknown(str(item) if isinstance(item, str) else "")
         if one.key is None and one.name not in known:
             raise InputError(
                 Fault(

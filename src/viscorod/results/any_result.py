@@ -12,7 +12,9 @@ if TYPE_CHECKING:
     from viscorod.results.campbell import Campbell
     from viscorod.results.decay_result import Decay
     from viscorod.results.frequency_response import FrequencyResponse
+    from viscorod.results.identification import Identification
     from viscorod.results.master_curve_result import MasterCurve
+    from viscorod.results.modal_fit_result import ModalFit
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
     from viscorod.results.run import Equilibrium, Run
@@ -29,8 +31,10 @@ if TYPE_CHECKING:
         | Campbell
         | Stability
         | Periodic
+        | Identification
         | Decay
         | MasterCurve
+        | ModalFit
     )
 
 __all__ = ["KINDS", "result_class"]
@@ -45,7 +49,9 @@ KINDS = {
     "campbell": ("campbell", "Campbell"),
     "stability": ("stability_result", "Stability"),
     "periodic": ("periodic", "Periodic"),
+    "identification": ("identification", "Identification"),
     "decay": ("decay_result", "Decay"),
+    "modal_fit": ("modal_fit_result", "ModalFit"),
     "master_curve": ("master_curve_result", "MasterCurve"),
 }
 """Module and class of each kind; they are imported when the first of it is opened."""

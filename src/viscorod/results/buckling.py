@@ -95,7 +95,11 @@ class Buckling(Result):
         blocks.append(table(heading, header, rows) if rows else f"{heading}\n  none were found")
         linear = ", ".join(f"{factor:.6g}" for factor in self.linear) or "none"
         blocks.append(f"Of the linear problem at the load factor {self.about:g}: {linear}")
-        if not self.complete:
+        if self.outcome != "completed":
+            blocks.append(
+                "The search ended before as many were found as asked for; those beyond are not known"
+            )
+        elif not self.complete:
             blocks.append("Fewer were found than asked for: the equilibria keep their stiffness beyond these")
         if self.warnings:
             blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))

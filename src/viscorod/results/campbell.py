@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 
 from viscorod.checks import checked
-from viscorod.results.followed_modes import FollowedModes
+from viscorod.results.followed_modes import FollowedModes, error_text
 from viscorod.results.stateless_result import Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
@@ -118,7 +118,8 @@ class Campbell(FollowedModes):
     def _critical(self) -> str:
         orders = ", ".join(f"{order:g}" for order in self.engine_orders) or "none"
         if not self.critical_speeds:
-            return f"No critical speed (engine orders: {orders})"
+            unsure = "" if self.outcome == "completed" else "; not all of it was sought"
+            return f"No critical speed (engine orders: {orders}{unsure})"
         rows = [
             [
                 one.mode,
@@ -127,7 +128,7 @@ class Campbell(FollowedModes):
                 f"{one.speed * 60.0 / (2.0 * np.pi):.8g}",
                 f"{one.frequency:.6g}",
                 f"{one.damping_ratio:.4g}",
-                f"{one.mesh_error:.1g}",
+                error_text(one.mesh_error),
             ]
             for one in self.critical_speeds
         ]

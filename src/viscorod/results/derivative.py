@@ -58,6 +58,12 @@ class Derivative(Generic[R]):
         found = [(weight, function(part)) for weight, part in self._parts]
         if hasattr(found[0][1], "dims"):
             return _of_data(self, function(self.result), found)
+        kind = np.asarray(found[0][1]).dtype.kind
+        if kind not in "fciub":
+            raise InputError(
+                f"derivatives are those of numbers, and this is of the kind {type(found[0][1]).__name__}; take numbers "
+                "of it: derivative.of(lambda result: ...)"
+            )
         total: Any = sum(weight * np.asarray(value) for weight, value in found)
         if not np.isfinite(total).all():
             raise InputError(

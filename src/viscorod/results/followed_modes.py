@@ -15,7 +15,7 @@ from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
-__all__ = ["FollowedModes", "Limit", "Meeting"]
+__all__ = ["FollowedModes", "Limit", "Meeting", "error_text"]
 
 
 @dataclass(frozen=True)
@@ -171,7 +171,14 @@ class FollowedModes(StatelessResult):
         f, d = self.frequencies, self.damping_ratios
         first, last = (f"{value:.5g}" for value in self.values[[0, -1]])
         rows = [
-            [name, f"{f[0, k]:.6g}", f"{d[0, k]:.4g}", f"{f[-1, k]:.6g}", f"{d[-1, k]:.4g}", f"{error:.1g}"]
+            [
+                name,
+                f"{f[0, k]:.6g}",
+                f"{d[0, k]:.4g}",
+                f"{f[-1, k]:.6g}",
+                f"{d[-1, k]:.4g}",
+                error_text(error),
+            ]
             for k, (name, error) in enumerate(zip(self.modes, self.mesh_errors, strict=True))
         ]
         header = [
@@ -185,11 +192,11 @@ class FollowedModes(StatelessResult):
         return table("Modes at both ends", header, rows)
 
     def _limits(self) -> str:
-        limits, growing = (
-            self.limits,
-            int((self.eigenvalues.real[0] > 1e-7 * np.abs(self.eigenvalues[0])).sum()),
-        )
+        limits, grows = self.limits, self.eigenvalues.real > 1e-7 * np.abs(self.eigenvalues)
+        growing, later = int(grows[0].sum()), int((grows.any(axis=0) & ~grows[0]).sum())
         start = f"{growing} of the modes grow from the beginning on. " if growing else ""
+        if not limits and later:
+            return start + f"{later} of the modes begin to grow; where was not sought to the end"
         if not limits:
             return start + (
                 "No other mode that was followed begins to grow"
@@ -202,7 +209,7 @@ class FollowedModes(StatelessResult):
                 f"{one.at:.10g}",
                 ("begins: " if one.unstable else "ends: ") + one.kind,
                 f"{one.frequency:.6g}",
-                f"{one.mesh_error:.1g}",
+                error_text(one.mesh_error),
             ]
             for one in limits
         ]
@@ -247,3 +254,8 @@ class FollowedModes(StatelessResult):
             found[f"{name}: damping ratio"] = self.damping_ratios[:, k]
             found[f"{name}: growth [1/s]"] = self.eigenvalues[:, k].real
         return found
+
+
+def error_text(part: float) -> str:
+    """Return an estimated error as text; 0 stands for none estimated."""
+    return f"{part:.1g}" if part > 0.0 else "-"

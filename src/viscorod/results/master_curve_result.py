@@ -8,7 +8,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from viscorod.checks import checked
+from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import table
@@ -91,6 +91,7 @@ class MasterCurve(StatelessResult):
         laws = self.laws
         return min(laws, key=lambda name: float(laws[name]["information"])) if laws else "table"
 
+    @checked_with(law=word)
     def shift(self, law: str | None = None) -> dict[str, Any]:
         """Return the shift for a `Material`, as the table of a case file: of `law`, or "table" for the factors.
 
@@ -116,10 +117,12 @@ class MasterCurve(StatelessResult):
         values = dict(zip(names, map(float, laws[chosen]["values"]), strict=True))
         return {"kind": chosen, **values, "reference": self.reference}
 
+    @checked
     def lift_at(self, temperature: float) -> float:
         """Return b_T at a temperature, degrees C, straight lines between the sweeps."""
         return float(np.interp(temperature, self.temperatures, self.lifts))
 
+    @checked_with(law=word, density=number, poissons_ratio=number)
     def material(
         self,
         temperature: float,
@@ -154,7 +157,7 @@ class MasterCurve(StatelessResult):
             "of": self.data.attrs["strain"] or "extension",
             "law": "maxwell",
             "per_decade": per_decade,
-            **({} if band is None else {"band": list(band)}),
+            **({} if band is None else {"band": band}),
         }
         return {
             "density": density,

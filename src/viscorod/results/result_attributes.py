@@ -65,6 +65,7 @@ class ResultAttributes(BaseModel):
     sections: Json[dict[str, Any]] | None = None
     case_text: str = ""
     case_file: str = ""
+    case_changes: Json[dict[str, Any]] | None = None
     case_hash: str = ""
     version: str = ""
     platform: str = ""

@@ -95,15 +95,29 @@ class Run(Result):
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
         cycles only there. Where the motion starts far below its position of rest, minima count.
         """
+        swing = self._swing(place, axis)
+        try:
+            found = decrement(self.time, *swing[1:3], rest=None, below=swing[3], place=swing[0], axis=axis)
+        except InputError:
+            return None
+        return found if found.regular else None
+
+    def decay(self, place: str | int, axis: str) -> Decrement:
+        """Return the decrement about the position of rest, by minima where the motion starts far below it.
+
+        Raises:
+            InputError: no such place or axis, or fewer than two maxima.
+        """
+        label, value, rate, below = self._swing(place, axis)
+        return decrement(self.time, value, rate, rest=None, below=below, place=label, axis=axis)
+
+    def _swing(self, place: str | int, axis: str) -> tuple[str, Floats, Floats, bool]:
+        """Return a place in words, its displacement [m] and rate [m/s], and whether it starts far below its rest."""
         site = self.sites.at(place)
         value, rate = self._component(site, axis)
         rest = resting_value(self.time, value, rate)
         below = bool(value[0] - rest < -_STARTS_BELOW * np.max(np.abs(value - rest)))
-        try:
-            found = decrement(self.time, value, rate, rest=None, below=below, place=site.label, axis=axis)
-        except InputError:
-            return None
-        return found if found.regular else None
+        return site.label, value, rate, below
 
     def _component(self, site: ResultPlace, axis: str) -> tuple[Floats, Floats]:
         """Return the displacement [m] of a site along a global axis and its rate [m/s]."""

@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
+from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
@@ -15,6 +16,8 @@ from viscorod.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.results.derivative import Derivative
 
 __all__ = ["StatelessResult", "Variables"]
 
@@ -30,8 +33,15 @@ class StatelessResult(ABC):
     """Name of the picture of it all."""
     what: ClassVar[str]
     """In words, as in "this data set is no ..."."""
+    derivatives: Mapping[str, Derivative[Self]] = MappingProxyType({})
+    """By the keys of the numbers that were asked for; see ``Derivative``."""
 
     def __init__(self, data: xr.Dataset) -> None:
+        if not hasattr(data, "variables") or not hasattr(data, "attrs"):
+            raise InputError(
+                f"data: {type(data).__name__}: a {self.what} is made of an xarray.Dataset; viscorod.load reads one "
+                "from a file"
+            )
         known = self.variables()
         missing = [name for name in known if name not in data.variables]
         if data.attrs.get("kind") != self.kind or missing:

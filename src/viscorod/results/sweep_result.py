@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -15,52 +15,29 @@ from pydantic import BaseModel, Field, ValidationError, model_validator
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
-from viscorod.results.energy import Energy
-from viscorod.results.files.storage import read, result_of, write
-from viscorod.results.frequency_response import FrequencyResponse
-from viscorod.results.modes_result import Modes
-from viscorod.results.run import Run
+from viscorod.results.files.storage import load, read, result_of, write
+from viscorod.results.quantities import HISTORY_TIMES, Number
+from viscorod.results.sweep_figures import FIGURES, figures_of, shown
 from viscorod.results.text_table import table
 
 if TYPE_CHECKING:
+    import pandas as pd
     import xarray as xr
 
     from viscorod.results.any_result import AnyResult
 
-ALONG = DIMENSION | {"response": "frequency"}
+ALONG = DIMENSION | {
+    "response": "frequency",
+    "campbell": "speed",
+    "stability": "load_factor",
+    "periodic": "point",
+}
 """Kind of a result -> dimension of its states."""
 KIND = "sweep"
 COMPLETED = "completed"
-REAL = 1e-9
-"""Imaginary part of a root, as a part of it, below which it does not oscillate."""
-TABLE = {
-    "steps": ("1", "steps taken"),
-    "wall_time_s": ("s", "wall time"),
-    "numerical_fraction": (
-        "1",
-        "largest numerical remainder of the energy account over the energy that moved",
-    ),
-    "first_frequency": ("Hz", "of the slowest vibration that oscillates"),
-    "first_damping_ratio": ("1", "of the same"),
-    "peak_frequency": ("Hz", "at which the first response is largest"),
-    "peak": ("", "its size there"),
-}
-"""Variables of every member that are not fields -> (unit, long name)."""
-
-_WALL = ("wall_time_s", "wall time [s]", "{:.3g}".format)
-_STEPPED = (
-    ("steps", "steps", "{:.0f}".format),
-    _WALL,
-    ("numerical_fraction", "numerical [%]", lambda part: f"{100.0 * part:.2g}"),
-)
-_SMALL = (
-    ("first_frequency", "first frequency [Hz]", "{:.6g}".format),
-    ("first_damping_ratio", "damping ratio", "{:.5g}".format),
-    ("peak_frequency", "peak at [Hz]", "{:.6g}".format),
-    ("peak", "peak", "{:.5g}".format),
-    _WALL,
-)
-"""Figures of members in the table of a report: name, heading, format."""
+MOST_ROWS = 60
+"""Members that a report lists; a table has all."""
+NOT_RUN = "not run"
 
 
 @dataclass(frozen=True)
@@ -70,42 +47,38 @@ class SweepRun:
     Attributes:
         number: place in the table of values, from 0.
         values: parameter -> value, as given.
-        result: the run, equilibrium or steady rotation; where it failed, what there is up to there, or None.
-        message: why it failed, empty if it did not.
+        stored: the result, the file that it is in, or None.
+        message: why it failed, empty if it did not, and which quantities could not be computed.
         outcome: "completed", or what stopped it.
+        quantities: the numbers that were asked for, by name; those that there are.
+        measured: cost and other figures, where the result itself is not kept.
     """
 
     number: int
     values: Mapping[str, Any]
-    result: AnyResult | None
+    stored: AnyResult | Path | None = None
     message: str = ""
     outcome: str = COMPLETED
+    quantities: Mapping[str, Number] = field(default_factory=dict)
+    measured: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def result(self) -> AnyResult | None:
+        """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
+        if isinstance(self.stored, Path):
+            found = load(self.stored)
+            assert not isinstance(found, Sweep)
+            return found
+        return self.stored
 
     @property
     def completed(self) -> bool:
-        """True if there is a whole result."""
-        return self.outcome == COMPLETED and self.result is not None
+        """True if it was computed to its end."""
+        return self.outcome == COMPLETED
 
     def figures(self) -> dict[str, float]:
-        """Return steps, wall time [s], the numerical part of a run's energy account, the first mode, the first peak."""
-        if self.result is None:
-            return {}
-        attrs = self.result.data.attrs
-        found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
-        if isinstance(self.result, Run):
-            found["numerical_fraction"] = Energy.of(self.result.data).numerical_fraction
-        if isinstance(self.result, Modes | FrequencyResponse):
-            s = self.result.eigenvalues if isinstance(self.result, Modes) else self.result.poles
-            s = s[s.imag > REAL * np.abs(s)]
-            if len(s):
-                first = s[np.argmin(np.abs(s))]
-                found["first_frequency"] = float(np.abs(first) / (2.0 * np.pi))
-                found["first_damping_ratio"] = float(-first.real / np.abs(first))
-        if isinstance(self.result, FrequencyResponse):
-            size = self.result.amplification()
-            found["peak_frequency"] = float(self.result.frequencies[np.argmax(size)])
-            found["peak"] = float(size.max())
-        return found
+        """Return numbers of the result by which members are compared, see ``viscorod.results.sweep_figures``."""
+        return dict(self.measured) or figures_of(self.result)
 
 
 class Sweep:
@@ -132,7 +105,7 @@ class Sweep:
 
     @property
     def completed(self) -> tuple[SweepRun, ...]:
-        """The members with a whole result."""
+        """The members that were computed to their end."""
         return tuple(member for member in self.members if member.completed)
 
     @property
@@ -146,13 +119,42 @@ class Sweep:
         results = [member.result.data for member in self.completed if member.result is not None]
         return next((text for other in results[1:] if (text := _difference(results[0], other))), "")
 
+    @property
+    def quantities(self) -> tuple[str, ...]:
+        """Names of the numbers that were asked for, histories too."""
+        return tuple(dict.fromkeys(name for member in self.members for name in member.quantities))
+
+    def table(self) -> pd.DataFrame:
+        """Return one row per member, failed ones too: values, quantities, cost and other figures, outcome, message.
+
+        What a member does not have is missing (NaN, as in any table of pandas), and ``message`` says why. Histories are
+        in ``data``.
+        """
+        import pandas as pd
+
+        columns: dict[str, list[Any]] = {
+            name: [m.values[name] for m in self.members] for name in self.parameters
+        }
+        for name in self.quantities:
+            if not any(isinstance(member.quantities.get(name), list) for member in self.members):
+                columns[name] = [member.quantities.get(name, np.nan) for member in self.members]
+        rows = [member.figures() for member in self.members]
+        for name in FIGURES:
+            if any(name in row for row in rows):
+                columns[name] = [row.get(name, np.nan) for row in rows]
+        columns["outcome"] = [member.outcome for member in self.members]
+        columns["message"] = [member.message for member in self.members]
+        index = pd.Index([member.number for member in self.members], name="member")
+        return pd.DataFrame(columns, index=index)
+
     @cached_property
     def data(self) -> xr.Dataset:
         """The completed members as one ``xarray.Dataset`` with a dimension ``member``.
 
-        Coordinates along it are the number of the member and its values. Fields of the runs are stacked if all
-        members have the same stations and the same times (or load factors); otherwise, see ``separate``, only steps,
-        wall time and numerical fraction are there, and fields are read from ``members``. Nothing is padded.
+        Coordinates along it are the number of the member and its values. There are the quantities that all of them
+        have. Fields of the runs are stacked if they are kept and all members have the same stations and the same times
+        (or load factors); otherwise, see ``separate``, only quantities, steps, wall time and numerical fraction are
+        there, and fields are read from ``members``. Nothing is padded.
         """
         import xarray as xr
 
@@ -162,35 +164,60 @@ class Sweep:
         for name in self.parameters:
             coordinates[name] = ("member", _column([member.values[name] for member in kept]))
         rows = [member.figures() for member in kept]
-        for name, (unit, long_name) in TABLE.items():
+        for name, figure in FIGURES.items():
             if rows and all(name in row for row in rows):
-                attributes = {"units": unit, "long_name": long_name}
+                attributes = {"units": figure.unit, "long_name": figure.words}
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", np.array([row[name] for row in rows], dtype), attributes)
-        if kept and not self.separate:
+        for name in self.quantities:
+            found = [member.quantities[name] for member in kept if name in member.quantities]
+            if len(found) == len(kept):
+                column = np.array(found, dtype=float)
+                dims = ("member", "instant") if column.ndim == 2 else ("member",)
+                variables[name] = (dims, column, {"long_name": name})
+                if column.ndim == 2:
+                    coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
+        if kept and not self.separate and all(member.result is not None for member in kept):
             fields, axes = _stacked([member.result.data for member in kept if member.result is not None])
-            variables |= fields
+            variables = fields | variables
             coordinates |= axes
         return xr.Dataset(variables, coordinates, attrs={"kind": KIND, "title": self.title})
 
     def report(self) -> str:
-        """Return a table of the members: values, figures, outcome; then what failed."""
-        figures = [member.figures() for member in self.members]
-        small = any("first_frequency" in row or "peak" in row for row in figures)
-        columns = _SMALL if small else _STEPPED
-        header = ("member", *self.parameters, *(title for _, title, _ in columns), "outcome")
+        """Return a table of the members: values, quantities, figures, outcome; then what failed."""
+        listed = self.members[:MOST_ROWS]
+        figures = [member.figures() for member in listed]
+        columns = shown(figures)
+        numbers = [
+            name
+            for name in self.quantities
+            if not any(isinstance(member.quantities.get(name), list) for member in listed)
+        ]
+        header = (
+            "member",
+            *self.parameters,
+            *numbers,
+            *(FIGURES[name].heading for name in columns),
+            "outcome",
+        )
         rows = [
             (
                 str(member.number),
                 *(_text(value) for value in member.values.values()),
-                *(show(row[name]) if name in row else "-" for name, _, show in columns),
+                *(f"{member.quantities[name]:.6g}" if name in member.quantities else "-" for name in numbers),
+                *(FIGURES[name].show(row[name]) if name in row else "-" for name in columns),
                 member.outcome,
             )
-            for member, row in zip(self.members, figures, strict=True)
+            for member, row in zip(listed, figures, strict=True)
         ]
         count = f"{len(self.members)} members, {len(self.completed)} completed"
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
-        blocks += [f"member {member.number}: {member.message}" for member in self.failed]
+        if len(self.members) > MOST_ROWS:
+            blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
+        told = [member for member in self.members if member.message]
+        blocks += [f"member {member.number}: {member.message}" for member in told[:MOST_ROWS]]
+        if len(told) > MOST_ROWS:
+            blocks.append(f"and {len(told) - MOST_ROWS} more messages in the table")
         blocks += self.notes
         if self.separate:
             blocks.append(f"The members are kept apart: {self.separate}")
@@ -215,6 +242,8 @@ class Sweep:
                     "message": member.message,
                     "outcome": member.outcome,
                     "attrs": None if member.result is None else member.result.data.attrs,
+                    "quantities": member.quantities,
+                    "measured": member.measured,
                 }
                 for member in self.members
             ],
@@ -224,7 +253,12 @@ class Sweep:
             for member in self.members
             if member.result is not None and (self.separate or not member.completed)
         }
-        return write(self.data.assign_attrs(sweep=json.dumps(record, default=_plain)), path, groups)
+        attrs = {"sweep": json.dumps(record, default=_plain), **self._attributes()}
+        return write(self.data.assign_attrs(attrs), path, groups)
+
+    def _attributes(self) -> dict[str, str]:
+        """Return what a file says beside its members."""
+        return {}
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:
@@ -252,6 +286,8 @@ class _Row(BaseModel):
     message: str
     outcome: str
     attrs: dict[str, Any] | None
+    quantities: dict[str, float | list[float]] = {}
+    measured: dict[str, float] = {}
 
 
 class _Record(BaseModel):
@@ -274,17 +310,22 @@ def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
     result = None
     if row.attrs is not None:
         along = ALONG.get(str(row.attrs.get("kind")), "")
-        stacked = "member" in data.coords and along in data and row.number in data["member"].values
-        whole = _unstacked(data, row.number) if stacked else read(path, group=f"member_{row.number}")
+        stacked = "member" in data.coords and along in data.dims and row.number in data["member"].values
+        own = [*FIGURES, *row.quantities, *row.values, "instant"]
+        fields = data.drop_vars(own, errors="ignore")
+        whole = _unstacked(fields, row.number) if stacked else read(path, group=f"member_{row.number}")
         whole.attrs = row.attrs
         result = result_of(whole, path)
-    return SweepRun(row.number, row.values, result, row.message, row.outcome)
+    parts = (row.message, row.outcome, row.quantities, row.measured)
+    return SweepRun(row.number, row.values, result, *parts)
 
 
 _LEVELS = {
     "time": "stored times",
     "load_factor": "load steps",
     "spin": "angular speeds",
+    "speed": "angular speeds",
+    "point": "motions",
     "frequency": "frequencies",
 }
 
@@ -301,13 +342,7 @@ def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = one[name].values, other[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            differ = {
-                "time": "stored times",
-                "load_factor": "load steps",
-                "spin": "angular speeds",
-                "frequency": "frequencies",
-            }
-            return f"their {differ.get(along if along in one[name].dims else '', str(name))} differ"
+            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
     return ""
 
 
@@ -330,7 +365,7 @@ def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, A
 
 def _unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
     """Return the fields of one member, as its own result holds them."""
-    return data.drop_vars(TABLE, errors="ignore").sel(member=number, drop=True)
+    return data.sel(member=number, drop=True)
 
 
 def _column(values: Sequence[Any]) -> np.ndarray:

@@ -337,12 +337,13 @@ class History:
         for values in (self.instant, self.step_size, self.iterations):
             del values[count:]
         kept: list[Records] = []
+        left = count
         for piece in self.records:
-            left = count - sum(one.states.instants for one in kept)
             if left <= 0:
                 break
-            cut = left < piece.states.instants
-            kept.append(piece.first(left) if cut else piece)
+            instants = piece.states.instants
+            kept.append(piece.first(left) if left < instants else piece)
+            left -= instants
         self.records = kept
 
     def sample(self, most: int) -> list[tuple[float, Snapshot]]:

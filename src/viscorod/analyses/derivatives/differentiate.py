@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -17,7 +18,6 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.derivative import Derivative
-from viscorod.results.result import Result
 from viscorod.results.run import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
@@ -26,13 +26,10 @@ from viscorod.solve.problem.division import Division
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
 
 
-def on_mesh_of(discrete: DiscreteModel, result: Result) -> DiscreteModel:
+def on_mesh_of(discrete: DiscreteModel, result: Any) -> DiscreteModel:
     """Return a discretised model on the mesh of a result of it."""
     stored = json.loads(str(result.data.attrs.get("divisions", "{}")))
     if not stored:
@@ -107,13 +104,12 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        data: xr.Dataset = dataset(
-            kind.kind, one.problem, one.system.gauss_positions(), history, attributes(result)
-        )
-        parts.append((one.weight, kind(data)))
+        positions, attrs = one.system.gauss_positions(), attributes(result)
+        build = partial(dataset, kind.kind, one.problem, positions, history, attrs)
+        parts.append((one.weight, kind.later(build)))
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
-def attributes(result: Result) -> dict[str, Any]:
+def attributes(result: Any) -> dict[str, Any]:
     """Return the attributes of a result for one close by."""
     return {name: value for name, value in result.data.attrs.items() if name != "kind"}

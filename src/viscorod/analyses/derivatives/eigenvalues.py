@@ -32,7 +32,7 @@ from viscorod.solve.start import Start
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["modes_derivatives"]
+__all__ = ["Pencil", "groups_of", "modes_derivatives"]
 
 TOGETHER = 1e-6
 """Distance of eigenvalues that fall together, as a part of them."""
@@ -59,8 +59,8 @@ def modes_derivatives(
     at = Instant(before=settings.about != "released", scale=float(loaded))
     change = _change(discrete, result, at) if loaded else None
     state = State.reference(discrete.problem) if change is None else change.state
-    pencil = _Pencil.of(discrete.static, state, at)
-    groups = _groups(result)
+    pencil = Pencil.of(discrete.static, state, at)
+    groups = groups_of(result.eigenvalues, result.rigid)
     vectors = [pencil.vectors(complex(np.mean(result.eigenvalues[group])), len(group)) for group in groups]
     found = {}
     for key in keys:
@@ -72,7 +72,7 @@ def modes_derivatives(
                 return State.reference(one.problem)
             return change.moved(increment, one.change)
 
-        pencils = {id(one): _Pencil.of(one.static, moved(one), at) for one in neighbours.each}
+        pencils = {id(one): Pencil.of(one.static, moved(one), at) for one in neighbours.each}
         rates = np.zeros(len(result.eigenvalues), dtype=complex)
         for group, (s, right, left, slope) in zip(groups, vectors, strict=True):
             changed = sum(one.weight * (pencils[id(one)].at(s) @ right) for one in neighbours.each)
@@ -97,11 +97,10 @@ def _change(discrete: DiscreteModel, result: Modes, at: Instant) -> StaticChange
         raise
 
 
-def _groups(result: Modes) -> list[list[int]]:
-    """Return the numbers of the modes that have one eigenvalue each, rigid motions left out."""
-    s = result.eigenvalues
+def groups_of(s: np.ndarray, first: int = 0) -> list[list[int]]:
+    """Return the numbers of the eigenvalues ``s``, from the ``first`` on, that fall together."""
     groups: list[list[int]] = []
-    for k in range(result.rigid, len(s)):
+    for k in range(first, len(s)):
         same = [g for g in groups if abs(s[g[0]] - s[k]) <= TOGETHER * abs(s[k])]
         if same:
             same[0].append(k)
@@ -110,7 +109,7 @@ def _groups(result: Modes) -> list[list[int]]:
     return groups
 
 
-class _Pencil:
+class Pencil:
     """The matrices of small motions at one state, bordered by conditions, as a function of ``s``."""
 
     def __init__(self, small: SmallMotions) -> None:
@@ -123,7 +122,7 @@ class _Pencil:
         self._weight = float(np.abs(self._parts[0].diagonal()).mean()) or 1.0
 
     @classmethod
-    def of(cls, static: StaticSolver, state: State, at: Instant) -> _Pencil:
+    def of(cls, static: StaticSolver, state: State, at: Instant) -> Pencil:
         """Return that of an equilibrium."""
         return cls(small_motions(static, state, before=at.before, scale=at.scale))
 

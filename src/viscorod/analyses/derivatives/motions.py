@@ -11,6 +11,8 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+import numpy as np
+
 from viscorod.analyses.derivatives.differentiate import attributes
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
@@ -40,6 +42,9 @@ ITERATIONS = 60
 FEW_STEPS = 200
 """Steps from which on numbers change less: phases grow with the time, and with them what the scheme leaves."""
 
+LITTLE, MORE = 2e-5, 20.0
+"""Change of positions over the size of the model that is little, and how many times more a number changes then."""
+
 
 def motion_derivatives(
     model: ModelDescription,
@@ -50,21 +55,36 @@ def motion_derivatives(
 ) -> dict[str, Derivative[Run]]:
     """Return the derivatives of a motion at all its stored times."""
     _require_known(settings, keys)
-    ends = run.ends_of_steps
-    part = min(1.0, FEW_STEPS / max(len(ends), 1))
+    part = min(1.0, FEW_STEPS / max(len(run.ends_of_steps), 1))
     every = [Neighbours.of(model, key, discrete, part) for key in keys]
     start = _Start(discrete, settings, run)
     found: dict[str, Derivative[Run]] = {}
-    for neighbours in every:
-        states = start.states(neighbours)
-        parts = []
-        for one, state in zip(neighbours.each, states, strict=True):
-            history = _gone_through(one, settings, state, run, ends, neighbours.number.key)
-            data = dataset("simulate", one.problem, one.system.gauss_positions(), history, attributes(run))
-            parts.append((one.weight, Run(data)))
-        number = neighbours.number
+    for near in every:
+        neighbours, runs = near, _runs(near, settings, start, run)
+        if _hardly_moved(runs, discrete.problem.length):
+            neighbours = Neighbours.of(model, near.number.key, discrete, part * MORE)
+            runs = _runs(neighbours, settings, start, run)
+        number, weights = neighbours.number, [one.weight for one in neighbours.each]
+        parts = list(zip(weights, runs, strict=True))
         found[number.key] = Derivative(number.key, number.value, number.unit, run, parts)
     return found
+
+
+def _runs(neighbours: Neighbours, settings: SimulateSettings, start: _Start, run: Run) -> list[Run]:
+    """Return the motions of all neighbours."""
+    found = []
+    for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
+        history = _gone_through(one, settings, state, run, neighbours.number.key)
+        found.append(
+            Run(dataset("simulate", one.problem, one.system.gauss_positions(), history, attributes(run)))
+        )
+    return found
+
+
+def _hardly_moved(runs: Sequence[Run], length: float) -> bool:
+    """Return whether the motions of neighbours differ so little that round-off would show in their differences."""
+    first, *others = (run.data["position"].values for run in runs)
+    return max(float(np.abs(other - first).max()) for other in others) < LITTLE * length
 
 
 def _require_known(settings: SimulateSettings, keys: Sequence[str]) -> None:
@@ -131,12 +151,10 @@ def _free_of_load(discrete: DiscreteModel, state: State) -> bool:
     return discrete.static.loads.at(0.0, True).none and not discrete.supports.target.any()
 
 
-def _gone_through(
-    one: Neighbour, settings: SimulateSettings, state: State, run: Run, ends: Floats, key: str
-) -> History:
+def _gone_through(one: Neighbour, settings: SimulateSettings, state: State, run: Run, key: str) -> History:
     """Return the history of a neighbour with the steps and the stored times of a run."""
     integrator = _integrator(one, settings)
-    transient = Retraced(one.problem, integrator, GivenSteps(ends), run.time)
+    transient = Retraced(one.problem, integrator, GivenSteps(run.ends_of_steps), run.time)
     result = transient.run(state, settings.duration, output_interval=settings.output_interval)
     if result.outcome is not Outcome.COMPLETED or result.history.count != len(run.time):
         raise SolveError(

@@ -21,7 +21,6 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import System
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
@@ -58,11 +57,27 @@ class Neighbour:
 
     change: float
     weight: float
-    model: ModelDescription
-    problem: Problem
-    system: System
-    supports: SupportState
-    static: StaticSolver
+    discrete: DiscreteModel
+
+    @property
+    def problem(self) -> Problem:
+        """Its arrays."""
+        return self.discrete.problem
+
+    @property
+    def system(self) -> System:
+        """Its formulation."""
+        return self.discrete.system
+
+    @property
+    def supports(self) -> SupportState:
+        """Its supports."""
+        return self.discrete.supports
+
+    @property
+    def static(self) -> StaticSolver:
+        """What finds its equilibria."""
+        return self.discrete.static
 
 
 class Neighbours(NamedTuple):
@@ -93,7 +108,7 @@ class Neighbours(NamedTuple):
                 refused = refused or error
                 continue
             each = [
-                Neighbour(step * place, weight / step, *made)
+                Neighbour(step * place, weight / step, made)
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
             return cls(number, tuple(each))
@@ -131,10 +146,8 @@ def natural_size(unit: str, problem: Problem) -> float:
     }.get(unit, 1.0)
 
 
-def _made(
-    discrete: DiscreteModel, number: CaseNumber, change: float
-) -> tuple[ModelDescription, Problem, System, SupportState, StaticSolver]:
-    """Return the parts of a neighbour."""
+def _made(discrete: DiscreteModel, number: CaseNumber, change: float) -> DiscreteModel:
+    """Return the discretised model of a neighbour."""
     model = number.at(number.value + change)
     if discrete.model.rest_strains and not discrete.model.strains and model.strains:
         model = with_strains_at_rest(model)
@@ -144,8 +157,7 @@ def _made(
     difference = _difference(discrete.problem, problem)
     if difference:
         raise InputError(Fault(number.key, f"{number.value:.6g}", f"it changes {difference}", ""))
-    system, supports = FORMULATIONS[discrete.formulation].make(problem), SupportState(problem)
-    return known, problem, system, supports, StaticSolver(system, supports)
+    return discrete.of_problem(known, problem)
 
 
 def _moved(model: ModelDescription, other: ModelDescription, divisions: Divisions) -> dict[str, Division]:

@@ -22,10 +22,7 @@ def master(
     reference: Annotated[
         OptionalNumber, typer.Option(help="Temperature of the curve, degrees C [default: that of most loss]")
     ] = None,
-    vertical: Annotated[
-        bool | None,
-        typer.Option(help="Shift moduli too, or not [default: if the data say so]", show_default=False),
-    ] = None,
+    vertical: Annotated[bool, typer.Option(help="Shift moduli too.")] = True,
     band: Annotated[str | None, typer.Option(metavar="LOW,HIGH", help="Frequencies that count, Hz.")] = None,
     law_range: Annotated[
         str | None,

@@ -226,13 +226,16 @@ def announce_compilation(largest: Any) -> None:
         compile_aside()
 
 
-def compile_aside() -> None:
+def compile_aside(*words: str) -> None:
     """Start a second process that compiles the kernels of transients, while this one compiles those of statics.
 
     Each kernel is compiled by the process that reaches it first; the other waits for it (see ``claims``).
+
+    Args:
+        words: that the process is given, see ``analyses.warmup``.
     """
     if _ASIDE not in os.environ and not _helpers and sys.executable:
-        command = [sys.executable, "-m", "viscorod.analyses.warmup"]
+        command = [sys.executable, "-m", "viscorod.analyses.warmup", *words]
         quiet: Any = {"stdout": subprocess.DEVNULL, "stderr": subprocess.DEVNULL}
         # where no process can be started, this one compiles everything
         with contextlib.suppress(OSError):

@@ -6,13 +6,13 @@ import base64
 import hashlib
 import html
 import json
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from importlib.resources import files
 from typing import Any
 
 from viscorod.pictures.viewer.packing import Pack
 
-__all__ = ["page"]
+__all__ = ["curve_page", "page"]
 
 _STYLES = ("vendor/uplot.min.css", "viewer.css")
 _SCRIPTS = (
@@ -25,6 +25,7 @@ _SCRIPTS = (
     "charts.js",
     "viewer.js",
 )
+_OF_CURVES = ("data.js", "curve_chart.js", "curves.js")
 _LICENCES = {"three.js": "vendor/three.LICENSE", "uPlot": "vendor/uplot.LICENSE"}
 _IN_SCRIPT = {"<": "\\u003c", ">": "\\u003e", "&": "\\u0026", "\u2028": "\\u2028", "\u2029": "\\u2029"}
 
@@ -42,15 +43,33 @@ def page(title: str, meta: Mapping[str, Any], pack: Pack) -> str:
     Raises:
         ValueError: `meta` holds a number that is not finite.
     """
-    scripts = [_shipped(name) for name in _SCRIPTS]
+    licences = "\n\n".join(f"{name}:\n{_shipped(path)}" for name, path in _LICENCES.items())
+    return _filled("page.html", _SCRIPTS, _STYLES, title, meta, pack, licences)
+
+
+def curve_page(title: str, meta: Mapping[str, Any], pack: Pack) -> str:
+    """Return the HTML text of a page of curves, see :func:`page`; its charts need no other's script."""
+    return _filled("curves.html", _OF_CURVES, ("viewer.css", "curves.css"), title, meta, pack)
+
+
+def _filled(
+    template: str,
+    names: Sequence[str],
+    styles: Sequence[str],
+    title: str,
+    meta: Mapping[str, Any],
+    pack: Pack,
+    licences: str = "",
+) -> str:
+    scripts = [_shipped(name) for name in names]
     hashes = " ".join(f"'sha256-{_digest(text)}'" for text in scripts)
     policy = f"default-src 'none'; script-src {hashes}; style-src 'unsafe-inline'; img-src data: blob:"
-    return _shipped("page.html").format_map(
+    return _shipped(template).format_map(
         {
             "policy": policy,
             "title": html.escape(title or "viscorod"),
-            "styles": "\n".join(_shipped(name) for name in _STYLES),
-            "licences": "\n\n".join(f"{name}:\n{_shipped(path)}" for name, path in _LICENCES.items()),
+            "styles": "\n".join(_shipped(name) for name in styles),
+            "licences": licences,
             "meta": script_json({**meta, "arrays": pack.index}),
             "data": pack.text(),
             "scripts": "\n".join(f"<script>{text}</script>" for text in scripts),

@@ -15,21 +15,24 @@ from viscorod.pictures.style import scaled
 from viscorod.pictures.viewer.camera import first_look
 from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
 from viscorod.pictures.viewer.colours import colour_tables
+from viscorod.pictures.viewer.curve_pages import curves_of
 from viscorod.pictures.viewer.frames import Frames
 from viscorod.pictures.viewer.histories import decay_of, energy_of, histories_of, places_of, samples_of
 from viscorod.pictures.viewer.marks import Marks
-from viscorod.pictures.viewer.mode_film import film_of
+from viscorod.pictures.viewer.mode_film import Film, film_of
 from viscorod.pictures.viewer.moving_arrows import loads_of, tips_of
 from viscorod.pictures.viewer.packing import LEVELS, Pack
 from viscorod.pictures.viewer.page import page
 from viscorod.pictures.viewer.rod_lines import MOST_NODES, Line, lines_of
 from viscorod.pictures.viewer.symbols import bodies_of, connections_of, supports_of
+from viscorod.results.buckling import Buckling
 from viscorod.results.data_schema import AXES
 from viscorod.results.element_points import aligned
 from viscorod.results.modes_result import Modes
 from viscorod.results.result import Result
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.stateless_result import StatelessResult
 from viscorod.results.steady_result import Steady
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
@@ -60,14 +63,16 @@ def view(
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
     Beside the rods in space, coloured by a strain, a section force, the dissipation or the speed, are histories, the
-    energy account and the damping ratio of every cycle, all at the same time. Modes, and those of a steady rotation,
-    swing one at a time beside a table of them.
+    energy account and the damping ratio of every cycle, all at the same time. Modes, those of a steady rotation, and
+    the shapes in which a model gives way at its critical loads swing one at a time beside a table of them. Campbell
+    diagrams, stability along a load, periodic motions and frequency responses are charts: a place that is chosen on
+    their curves is shown in numbers, of periodic motions with its cycle, its loop and its Floquet multipliers.
 
     Args:
-        result: a motion, an equilibrium, a path, modes or a steady rotation.
+        result: any but a sweep.
         path: file to write, usually ``.html``; its folder is made.
         frames: states in the page at most, 2 or more; more stored ones are shown at even times, of fewer
-            positions in between follow from velocities.
+            positions in between follow from velocities. Of curves: places along them at most.
         megabytes: size of the file at most; if it would be larger, there are fewer frames.
 
     Returns:
@@ -76,27 +81,28 @@ def view(
     Raises:
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
-    if not isinstance(result, Run | Equilibrium | Modes | Steady):
-        what = getattr(
-            result, "what", "sweep" if type(result).__name__ == "Sweep" else "result of another kind"
-        )
-        instead = "give one of its members" if what == "sweep" else "draw it with plot"
-        raise InputError(
-            f"a {what} has no states that follow each other, so there is nothing to play; {instead}"
-        )
+    if not isinstance(result, Run | Equilibrium | Modes | Steady | Buckling | StatelessResult):
+        what = "sweep" if type(result).__name__ == "Sweep" else "result of another kind"
+        instead = "give one of its members" if what == "sweep" else "give a result"
+        raise InputError(f"a {what} has no page; {instead}")
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
         raise InputError(f"megabytes = {megabytes!r}: the scripts alone take 0.7; give a number above 1")
-    text, limit = "", frames
-    modes: list[dict[str, Any]] = []
-    if isinstance(result, Modes | Steady):
-        result, modes = film_of(result)
-        limit = int(result.data.sizes[result.dimension])  # each swing is whole
+    text, limit, film = "", frames, None
+    if isinstance(result, Modes | Steady | Buckling):
+        film = film_of(result)
+        limit = int(film.states.data.sizes[film.states.dimension])  # each swing is whole
     for _ in range(_TRIES):
-        text = _text(result, limit, modes)
+        if isinstance(result, StatelessResult):
+            text = curves_of(result, limit)
+        elif film is not None:
+            text = _text(film.states, limit, film)
+        else:
+            assert isinstance(result, Run | Equilibrium)
+            text = _text(result, limit, None)
         size = len(text.encode("utf-8")) / 1e6
-        if size <= megabytes or limit <= _FEWEST or modes:
+        if size <= megabytes or limit <= _FEWEST or film is not None:
             break
         # what does not depend on the frames is a megabyte or less
         limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
@@ -117,7 +123,8 @@ def described(result: Result) -> ModelDescription | None:
         return None  # functions of Python are in no file, and other versions have other words
 
 
-def _text(result: Run | Equilibrium, limit: int, modes: list[dict[str, Any]]) -> str:
+def _text(result: Run | Equilibrium, limit: int, film: Film | None) -> str:
+    modes = [] if film is None else film.told
     model = described(result)
     frames, pack = Frames.of(result, limit), Pack()
     positions, rotations = frames.positions(), frames.rotations()
@@ -154,6 +161,7 @@ def _text(result: Run | Equilibrium, limit: int, modes: list[dict[str, Any]]) ->
         "warnings": warnings_of(result),
         "notes": _notes(result, frames, lines, samples.size, model, modes),
         "modes": modes,
+        "film": {} if film is None else {"title": film.title, "head": film.head, "start": film.start},
         "stored": frames.stored,
         "clock": scaled("s", known) if result.dimension == "time" else (1.0, ""),
         "scene": scene,
@@ -235,7 +243,7 @@ def _notes(
     if frames.count > frames.stored:
         notes[0] = f"{frames.count} frames shown: {frames.stored} stored times and positions between them"
     if modes:
-        notes[0] = f"{len(modes)} modes, each with an amplitude that can be seen; fading is not shown"
+        notes[0] = f"{len(modes)} shapes, each with an amplitude that can be seen; fading is not shown"
     if nodes < stations:
         notes.append(f"{nodes} stations shown of {stations}")
     if samples < frames.stored:

@@ -29,6 +29,8 @@ from viscorod.typing import Floats
 __all__ = ["BladeSections", "blade_from_rod", "product_damping", "rod_from_blade", "write_beamdyn_blade"]
 
 Law = Literal["symmetric", "same power"]
+MOST_KNOWN = 10_000
+"""Sections along a blade that are kept."""
 _CONSTANT = 1e-9  # relative change of a time along the rod that counts as none
 
 
@@ -62,6 +64,7 @@ class BladeSections:
 
     def __init__(self, blade: BeamDynBlade, length: float, law: Law = "symmetric") -> None:
         self.blade, self.length, self.law = blade, length, law
+        self._known: dict[float, StiffnessSection] = {}
 
     @property
     def stations(self) -> Floats:
@@ -90,8 +93,13 @@ class BladeSections:
 
     def __call__(self, s: float) -> StiffnessSection:
         """Return the section at the arc length `s`, m."""
-        stiffness, inertia = self.blade.at(s / self.length)
-        return StiffnessSection(stiffness, inertia, self.damping(stiffness))
+        known = self._known.get(s)
+        if known is None:  # every analysis asks for those at its Gauss points again
+            stiffness, inertia = self.blade.at(s / self.length)
+            known = StiffnessSection(stiffness, inertia, self.damping(stiffness))
+            if len(self._known) < MOST_KNOWN:
+                self._known[s] = known
+        return known
 
 
 def rod_from_blade(

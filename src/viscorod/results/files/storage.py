@@ -200,12 +200,16 @@ def load(path: str | Path) -> AnyResult | Sweep:
     It answers everything that a fresh one does.
 
     Args:
-        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run. While
-            the run has not ended, the folder gives the states so far.
+        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run or of a
+            sweep. While that has not ended, the folder gives the states or members so far.
 
     Raises:
         InputError: no such file, or not a result of viscorod.
     """
+    if (Path(path) / "sweep.json").is_file():
+        from viscorod.results.files.sweep_folder import SweepFolder
+
+        return SweepFolder(Path(path)).load()
     if Path(path).is_dir():
         from viscorod.results.files.stopped_run import result_file, stopped_run
         from viscorod.results.run import Run
@@ -215,9 +219,10 @@ def load(path: str | Path) -> AnyResult | Sweep:
             return Run(stopped_run(path))
     data = read(path)
     if str(data.attrs.get("kind")) == "sweep":  # a damaged one may be an array
+        from viscorod.results.ensemble import Ensemble
         from viscorod.results.sweep_result import Sweep
 
-        return Sweep.of(data, Path(path))
+        return (Ensemble if "ensemble" in data.attrs else Sweep).of(data, Path(path))
     return result_of(data, Path(path))
 
 

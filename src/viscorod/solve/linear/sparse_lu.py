@@ -13,6 +13,9 @@ from viscorod.typing import Floats
 THRESHOLD = 0.1
 """SuperLU keeps to the diagonal, and so to the ordered fill, where its entry has this share of the largest below."""
 
+NOTHING = 1e-14
+"""Part of the largest entry of a row below which its diagonal is round-off of 0; that of a definite matrix is above."""
+
 
 class SparseLU:
     """LU of a sparse matrix, real or complex, whose fill is that of its pattern.
@@ -56,8 +59,13 @@ class SparseLU:
 
 
 def _scales(matrix: sparse.csc_array) -> Floats:
-    """Return factors ``(n,)`` of rows and columns that make the diagonal 1; where there is none, the largest entry."""
-    own = np.sqrt(np.abs(matrix.diagonal()))
+    """Return factors ``(n,)`` of rows and columns that make the diagonal 1; where there is none, the largest entry.
+
+    Of a diagonal that is round-off the root would be a scale without meaning, and pivots would follow it.
+    """
+    largest = np.asarray(abs(matrix).max(axis=1).todense()).ravel()
+    diagonal = np.abs(matrix.diagonal())
+    own = np.sqrt(np.where(diagonal > NOTHING * largest, diagonal, 0.0))
     scales = np.divide(1.0, own, out=np.zeros_like(own), where=own > 0.0)
     if not own.all():
         beside = np.asarray((abs(matrix) @ sparse.diags_array(scales)).max(axis=1).todense()).ravel()

@@ -36,9 +36,10 @@ class HarmonicResponse:
     def __post_init__(self) -> None:
         small, inputs, readings = self.small, self.inputs, self.readings
         free, held = small.free, small.held
-        parts = [sparse.csr_array(rows @ free) for rows in small.balance]
+        parts = self._balance = [sparse.csr_array(rows @ free) for rows in small.balance]
         units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
         gradients = None if small.gradients is None else sparse.csr_array(small.gradients @ free)
+        self._gradients = gradients
         self._solver = DynamicStiffness(parts, gradients, units)
         self._moving = bool(inputs.held.any() or inputs.targets.any())
         moved = np.asarray(held @ inputs.held)
@@ -72,23 +73,56 @@ class HarmonicResponse:
         )
 
     def _at(self, s: complex) -> np.ndarray:
-        c = self.small.at(s)
-        size = self._solver.size
-        right, gaps = self._force.astype(complex), self._gaps.astype(complex)
-        times = self.inputs.motions_at(s) if self._moving else np.ones(right.shape[1])
-        if self._moving:
-            gaps = gaps * times
-            for k, pushed in zip(c, self._pushed, strict=True):
-                right = right - (k * times) * pushed
-        found = self._solver.solve(c, right, gaps)
+        return self.read(s, self.motion(s))
+
+    def motion(self, s: complex) -> np.ndarray:
+        """Return free motions and multipliers ``(n + m, inputs)`` at ``s`` [1/s].
+
+        Raises:
+            SolveError: an undamped resonance.
+        """
+        found = self.solve(s, *self._driven(s))
         self.solved += 1
+        return found
+
+    def solve(self, s: complex, right: np.ndarray, gaps: np.ndarray) -> np.ndarray:
+        """Return free motions and multipliers for forces ``(n, k)`` and gaps ``(m, k)``."""
+        return self._solver.solve(self.small.at(s), right, gaps)
+
+    def lacking(self, s: complex, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what motions and multipliers leave of the balance ``(n, inputs)`` and of the gaps ``(m, inputs)``."""
+        size = self._solver.size
+        right, gaps = self._driven(s)
+        for k, rows in zip(self.small.at(s), self._balance, strict=True):
+            right = right - k * (rows @ found[:size])
+        if self._gradients is not None:
+            right = right - self._gradients.T @ found[size:]
+            gaps = gaps - self._gradients @ found[:size]
+        return right, gaps
+
+    def read(self, s: complex, found: np.ndarray) -> np.ndarray:
+        """Return the responses ``(outputs, inputs)`` of motions and multipliers."""
+        c, size = self.small.at(s), self._solver.size
         x, multipliers = found[:size], found[size:]
+        times = self._times(s)
         out = self.readings.direct + self.readings.multipliers @ multipliers
         for k in self._parts:
             out = out + c[k] * (self._read[k] @ x)
             if self._moving:
                 out = out + (c[k] * times) * self._carried[k]
         return np.asarray(out)
+
+    def _times(self, s: complex) -> np.ndarray:
+        return self.inputs.motions_at(s) if self._moving else np.ones(self._force.shape[1])
+
+    def _driven(self, s: complex) -> tuple[np.ndarray, np.ndarray]:
+        """Return what drives the balance and the gaps."""
+        right, gaps, times = self._force.astype(complex), self._gaps.astype(complex), self._times(s)
+        if self._moving:
+            gaps = gaps * times
+            for k, pushed in zip(self.small.at(s), self._pushed, strict=True):
+                right = right - (k * times) * pushed
+        return right, gaps
 
     def over(self, hertz: Floats) -> np.ndarray:
         """Return the responses ``(frequencies, outputs, inputs)``."""

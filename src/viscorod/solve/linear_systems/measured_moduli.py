@@ -23,6 +23,7 @@ __all__ = [
     "MeasuredParts",
     "TableModulus",
     "measured_parts",
+    "of_law_in_place",
     "without_measured",
 ]
 
@@ -238,3 +239,75 @@ def without_measured(parts: Sequence[MeasuredPart], section: Sequence[Floats]) -
         alone = np.abs(matrices - replaced) <= ROUND_OFF * np.abs(replaced)
         changes.append(np.where(alone, -matrices, -replaced))
     return changes
+
+
+def of_law_in_place(model: ModelDescription, low: float, high: float) -> list[str]:
+    """Say of which materials a law stands in place of what was measured, and by how much it differs.
+
+    Args:
+        model: with the materials; low, high: frequencies [Hz] between which they are compared, within the table.
+    """
+    found: dict[int, tuple[Material, list[str]]] = {}
+    for name, rod in model.rods.items():
+        for s in np.linspace(0.0, rod.length, 9):
+            for material, _, _ in rod.materials_at(float(s)):
+                if (
+                    _over_frequency(material)
+                    and name not in found.setdefault(id(material), (material, []))[1]
+                ):
+                    found[id(material)][1].append(name)
+    sentences = []
+    for material, names in found.values():
+        table = isinstance(material.damping, ComplexModuli)
+        apart = _law_apart(material, low, high)
+        compared = (
+            "was not compared, no frequency of these motions is in the table"
+            if apart is None
+            else f"differs by up to {apart:.2g} of it from {low:.5g} to {high:.5g} Hz"
+        )
+        fitted, itself = ("table", "the table itself") if table else ("loss factor", "it as it is")
+        sentences.append(
+            f"{', '.join(names)}: motions take the law that was fitted to the {fitted}, whose complex modulus "
+            f"{compared}; frequency responses take {itself}"
+        )
+    return sentences
+
+
+def _law_apart(material: Material, low: float, high: float) -> float | None:
+    """Return the largest difference of the law's complex modulus from the measured one, as a part of it."""
+    damping = material.damping
+    known: dict[str, TableModulus | ConstantModulus]
+    if isinstance(damping, ComplexModuli):
+        known = {
+            strain: TableModulus(table, material.shift_factor) for strain, table in damping.tables.items()
+        }
+    else:
+        assert isinstance(damping, LossFactor)
+        moduli = damping.constant_moduli(material.given_moduli)
+        assert moduli is not None
+        known = dict(zip(("extension", "shear"), map(ConstantModulus, moduli), strict=True))
+    worst: list[float] = []
+    for strain, modulus in known.items():
+        first, last = modulus.band or (low, high)
+        if max(low, first) > min(high, last):
+            continue
+        for hertz in np.geomspace(max(low, first), min(high, last), 9):
+            omega = 2.0 * np.pi * float(hertz)
+            measured = modulus.at(omega)
+            worst.append(abs(_by_law(material, strain, omega) - measured) / abs(measured))
+    return max(worst) if worst else None
+
+
+def _by_law(material: Material, strain: str, omega: float) -> complex:
+    """Return the complex modulus [Pa] of the law with which motions are computed."""
+    extends = strain == "extension"
+    rest = material.youngs_modulus if extends else material.shear_modulus
+    if not material.branches:
+        return complex(
+            rest, omega * (material.extensional_viscosity if extends else material.shear_viscosity)
+        )
+    found = complex(rest)
+    for b in material.branches:
+        swing = 1j * omega * b.time
+        found += (b.youngs_modulus if extends else b.shear_modulus) * swing / (1.0 + swing)
+    return found

@@ -30,6 +30,8 @@ ROUNDS = 4
 """How often Ritz vectors are added."""
 CLOSE = 1e-6
 """Relative distance of frequencies below which modes are taken as one space, such as bending of a square section."""
+BLOCK = 200_000
+"""Numbers of the vectors that are looked at together."""
 REAL = 1e-9
 """Imaginary part, as a part of ``|s|``, below which a root is real."""
 SLOW = 0.7
@@ -44,7 +46,7 @@ class DampedModes:
     Attributes:
         natural: angular frequencies [rad/s] by which they are ordered: ``|s|`` of those that oscillate, and of the
             others that of their shape without damping.
-        residuals: see :meth:`_Reduction.residual`.
+        residuals: see :meth:`_Reduction.residuals`.
         traced: each is a pair of one undamped mode, or they are all that there are.
     """
 
@@ -108,7 +110,7 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
         # not one of the others, unless they were as near before
         if np.any(np.abs(roots[others] - s) < 0.1 * np.abs(roots[others] - roots[k])):
             continue
-        residual = reduction.residual(s, x)
+        residual = float(reduction.residuals(np.array([s]), x[:, None])[0])
         if residual < residuals[k]:
             roots[k], vectors[:, k], residuals[k] = s, x, residual
     return _ordered(reduction, roots, vectors, residuals)
@@ -117,12 +119,8 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
 def _ordered(reduction: _Reduction, roots: np.ndarray, vectors: np.ndarray, residuals: Floats) -> DampedModes:
     swinging = reduction.swinging(roots, vectors)
     roots = np.where(swinging, roots, roots.real)
-    natural = np.array(
-        [
-            abs(s) if swings else reduction.frequency(x)
-            for s, x, swings in zip(roots, vectors.T, swinging, strict=True)
-        ]
-    )
+    natural = np.abs(roots)
+    natural[~swinging] = reduction.frequencies(vectors[:, ~swinging])
     # round-off must not decide the order of equal ones, of which the slower root of an overdamped mode comes first
     order = np.lexsort((np.arange(len(roots)), _ranks(np.abs(roots)), _ranks(natural)))
     traced = reduction.single or reduction.complete
@@ -172,39 +170,51 @@ class _Reduction:
         left_over = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved, self.M @ moved), 0.0))
         return max(GOOD, NOISE * float(left_over.max(initial=0.0)))
 
-    def residual(self, s: complex, x: np.ndarray) -> float:
-        """Return what a root and its vector leave unbalanced as a part of the largest of the forces that balance.
+    def _blocks(self, vectors: np.ndarray) -> list[slice]:
+        """Return parts of many vectors that are small in memory."""
+        size, count = vectors.shape
+        most = max(1, BLOCK // size)
+        return [slice(k, k + most) for k in range(0, count, most)]
+
+    def residuals(self, roots: np.ndarray, vectors: np.ndarray) -> Floats:
+        """Return what roots and their vectors leave unbalanced as a part of the largest of the forces that balance.
 
         Forces are measured by the displacements (by their kinetic energy) that they would cause, or, where all modes
         are known and that is less, by the accelerations. Without damping it is a bound of the relative error of
         ``w^2``.
         """
-        M = self.M
-        parts = np.array(
-            [self.pencil.applied(s, x), s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, self.K @ x]
-        ).T
+        M, found = self.M, np.full(len(roots), np.inf)
         measures = [self.undamped.flexibility]
         if self.undamped.complete:
             measures.append(self.undamped.accelerations)
-        found = []
-        for measure in measures:
-            moved = measure(parts)
-            sizes = np.sqrt(np.maximum(np.einsum("ik,ik->k", moved.conj(), M @ moved).real, 0.0))
-            largest = float(sizes[1:].max())
-            found.append(float(sizes[0]) / largest if largest > 0.0 else 0.0)
-        return min(found)
+        for block in self._blocks(vectors):
+            s, x = roots[block], vectors[:, block]
+            left = self.pencil.applied(s, x)
+            parts = np.hstack([left, s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, self.K @ x])
+            for measure in measures:
+                moved = measure(parts)
+                squares = np.einsum("ik,ik->k", moved.conj(), M @ moved).real
+                sizes = np.sqrt(np.maximum(squares, 0.0)).reshape(4, -1)
+                largest = sizes[1:].max(axis=0)
+                part = np.divide(sizes[0], largest, out=np.zeros_like(largest), where=largest > 0.0)
+                found[block] = np.minimum(found[block], part)
+        return found
 
-    def frequency(self, x: np.ndarray) -> float:
-        """Return the angular frequency [rad/s] of a shape without damping (Rayleigh quotient)."""
-        parts = np.array([x.real, x.imag]).T
-        energy = float(np.trace(precise_form(self.K, self.pencil.linear.work, parts)))
-        return float(np.sqrt(abs(energy) / np.vdot(x, self.M @ x).real))
+    def frequencies(self, vectors: np.ndarray) -> Floats:
+        """Return the angular frequencies [rad/s] of shapes without damping (Rayleigh quotients)."""
+        found = np.empty(vectors.shape[1])
+        for block in self._blocks(vectors):
+            x = vectors[:, block]
+            form = precise_form(self.K, self.pencil.linear.work, np.hstack([x.real, x.imag]))
+            energies = form.diagonal().reshape(2, -1).sum(axis=0)
+            found[block] = np.sqrt(np.abs(energies) / np.einsum("ik,ik->k", x.conj(), self.M @ x).real)
+        return found
 
     def swinging(self, roots: np.ndarray, vectors: np.ndarray) -> np.ndarray:
         """Return which roots oscillate: those with an imaginary part that is not round-off."""
         found: np.ndarray = np.abs(roots.imag) > REAL * np.abs(roots)
-        for k in np.flatnonzero(found):
-            found[k] = abs(roots[k]) >= SLOW * self.frequency(vectors[:, k])
+        some = np.flatnonzero(found)
+        found[some] = np.abs(roots[some]) >= SLOW * self.frequencies(vectors[:, some])
         return found
 
     def solve(self) -> DampedModes:
@@ -231,8 +241,7 @@ class _Reduction:
                 roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
             displacements = np.vstack([states[:p] / roots, states[p:]])
             vectors = V @ displacements
-        residuals = np.array([self.residual(s, x) for s, x in zip(roots, vectors.T, strict=True)])
-        return _ordered(self, roots, vectors, residuals)
+        return _ordered(self, roots, vectors, self.residuals(roots, vectors))
 
     def _branch_roots(self, D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.ndarray]:
         """Return the roots that oscillate with the strains of the springs of all branches as further unknowns.

@@ -47,8 +47,8 @@ class Pencil:
             linear, tuple(sparse.csr_array(basis.T @ b @ basis) for b in found), system.relaxation.times
         )
 
-    def applied(self, s: complex, x: np.ndarray) -> np.ndarray:
-        """Return what the motion ``x exp(s t)`` leaves of the balance of forces."""
+    def applied(self, s: complex | np.ndarray, x: np.ndarray) -> np.ndarray:
+        """Return what the motion ``x exp(s t)`` leaves of the balance of forces, or many, ``s (k,)``, do."""
         linear = self.linear
         total = linear.stiffness @ x + s * (linear.damping @ x) + s**2 * (linear.mass @ x)
         for branch, tau in zip(self.branches, self.times, strict=True):

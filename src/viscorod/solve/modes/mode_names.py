@@ -20,6 +20,8 @@ SPRING, SWING, DAMPER = "spring", "swing", "damper"
 """Kinds of modes that rods are hardly strained by: on springs, by loads that turn them back, against dampers alone."""
 RIGIDLY = 0.98
 """Part of the kinetic energy in rigid motions of parts from which on rods are hardly strained."""
+TOGETHER = 16
+"""Shapes whose strains are in memory at once."""
 
 
 class StrainEnergies:
@@ -47,18 +49,31 @@ class StrainEnergies:
         problem = system.problem
         self._many = (problem, state.r, state.q) if many_parts(problem) else None
 
-    def forms(self, shapes: np.ndarray, rod: str | None = None) -> np.ndarray:
-        """Return twice the energies of all strains as forms ``(6, m, m)`` of ``shapes``, of one rod or of all."""
+    def _strains(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return strains and forces of ``shapes`` at the Gauss points ``(e, g, 6, m)``."""
         moved = np.asarray(self.linear.basis @ shapes)
         own = moved.reshape(-1, 6, moved.shape[1])[self._nodes]
         strains = np.matmul(self._B, own.reshape(len(own), self._B.shape[2], -1))
         strains = strains.reshape(len(own), -1, 6, moved.shape[1])
-        forces = np.einsum("egij,egjm->egim", self._stiffness, strains)
+        return strains, np.matmul(self._stiffness, strains)
+
+    def forms(self, shapes: np.ndarray, rod: str | None = None) -> np.ndarray:
+        """Return twice the energies of all strains as forms ``(6, m, m)`` of ``shapes``, of one rod or of all."""
+        strains, forces = self._strains(shapes)
         weights = (
             self._weights if rod is None else self._weights * (self._rod == self.rods.index(rod))[:, None]
         )
         half = np.einsum("eg,egim,egin->imn", weights, strains.conj(), forces, optimize=True)
         return np.asarray(0.5 * (half + np.swapaxes(half.conj(), 1, 2)))
+
+    def energies(self, shapes: np.ndarray) -> Floats:
+        """Return twice the energies of all strains in each of the shapes ``(m, 6)``, of all rods."""
+        found = np.empty((shapes.shape[1], 6))
+        for first in range(0, len(found), TOGETHER):
+            some = slice(first, first + TOGETHER)
+            strains, forces = self._strains(shapes[:, some])
+            found[some] = np.einsum("eg,egim->mi", self._weights, (strains.conj() * forces).real)
+        return found
 
     def of_springs(self, shapes: np.ndarray) -> Floats:
         """Return twice the energies of all springs in each of the shapes ``(m,)``."""
@@ -98,7 +113,7 @@ class StrainEnergies:
 
     def shares(self, shapes: np.ndarray) -> Floats:
         """Return the parts of the elastic energy of the rods that all strains have ``(m, 6)``; zeros without any."""
-        energies = np.array([self.forms(x[:, None])[:, 0, 0].real for x in shapes.T]).reshape(-1, 6)
+        energies = self.energies(shapes)
         total = energies.sum(axis=1, keepdims=True)
         return np.asarray(np.divide(energies, total, out=np.zeros_like(energies), where=total > 0.0))
 
@@ -106,7 +121,7 @@ class StrainEnergies:
         """Return what stores most of the energy of every shape, in words."""
         if not shapes.shape[1]:
             return []
-        energies = np.array([self.forms(x[:, None])[:, 0, 0].real for x in shapes.T])
+        energies = self.energies(shapes)
         springs, rigidly = self.of_springs(shapes), self._rigid_part(shapes)
         found = []
         for k, energy in enumerate(energies):

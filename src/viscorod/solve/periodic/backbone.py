@@ -14,7 +14,7 @@ import numpy as np
 
 from viscorod.errors import SolveError
 from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
-from viscorod.solve.periodic.orbit_matrix import coupled_motions, whole_matrices
+from viscorod.solve.periodic.orbit_matrix import coupled_motions
 from viscorod.solve.periodic.orbit_solver import OrbitSolver, Solved
 from viscorod.typing import Floats
 
@@ -144,7 +144,7 @@ class Backbone:
         motion = balance.moved(balance.resting(), self.setting)
         self._resting_stress = motion.points.stress
         linear = balance.linearised(motion)
-        groups = coupled_motions(balance, self.setting.omega, linear, whole_matrices(balance, linear))
+        groups = coupled_motions(balance, self.setting.omega, linear)
         unit = np.array([balance.problem.length] * 3 + [1.0] * 3)
         flat = np.concatenate([(shape / unit).ravel(), np.zeros(6 * balance.problem.multipliers)])
         most = max(groups, key=lambda group: float((flat[group] ** 2).sum()))

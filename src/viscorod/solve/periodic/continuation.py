@@ -226,9 +226,7 @@ class Continuation:
         setting = found.motion.setting
         values = np.zeros(0, dtype=complex)
         if self.stability:
-            values = multipliers(
-                self.balance, setting.omega, jacobian.linear, jacobian.whole, jacobian.groups
-            )
+            values = multipliers(self.balance, setting.omega, jacobian.linear, jacobian.groups)
         value = float(getattr(setting, self.parameter.of))
         return OrbitPoint(
             found.orbit, found.motion, value, tangent, values, size, iterations=found.iterations

@@ -15,14 +15,18 @@ from collections.abc import Sequence
 import numpy as np
 from scipy import linalg
 
+from viscorod.errors import Fault, InputError
 from viscorod.solve.linear.matrix import unit_of
+from viscorod.solve.periodic.floquet_kernels import fill_steps
 from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
-from viscorod.solve.periodic.orbit_matrix import WholeMatrices, strains_of_nodes
+from viscorod.solve.periodic.orbit_matrix import strains_of_nodes, whole_matrix
 from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.typing import Floats, Integers
 
 __all__ = ["multipliers"]
 
+MOST = 400
+"""Motions that couple at most: a period of one orbit takes about half a minute then."""
 STAGES = 5
 STEPS = 8
 """Steps of a period at least; more than one for every harmonic. Order 9: a vibration that swings once in a step keeps
@@ -33,19 +37,31 @@ def multipliers(
     balance: OrbitBalance,
     omega: float,
     linear: Linearised,
-    matrices: WholeMatrices,
     groups: Sequence[Integers],
     steps: int = 0,
 ) -> np.ndarray:
     """Return all Floquet multipliers, the largest first.
 
     Args:
-        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit,
-            and the same as ``matrices``.
+        balance: of the model; omega: angular frequency [rad/s]; linear: derivatives at the orbit.
         groups: of motions that do not couple; steps: of a period, chosen unless given.
+
+    Raises:
+        InputError: more motions couple than full matrices are good for.
     """
+    largest = max(map(len, groups))
+    if largest > MOST:
+        raise InputError(
+            Fault(
+                "stability",
+                "true",
+                f"{largest} motions of the model couple, and Floquet multipliers come from full matrices of {MOST} "
+                "at most",
+                "give stability = false, or fewer elements",
+            )
+        )
     steps = steps or max(STEPS, balance.fourier.harmonics * 3 // 2)
-    whole = _Coefficients(balance, linear, matrices, steps)
+    whole = _Coefficients(balance, linear, steps)
     found = []
     for motions in groups:
         first = None
@@ -58,9 +74,9 @@ def multipliers(
 
 
 class _Coefficients:
-    """Coefficients of small motions at all stages of all steps of a period ``(steps, stages, ...)``, scaled."""
+    """Coefficients of small motions at all stages of all steps of a period, scaled."""
 
-    def __init__(self, balance: OrbitBalance, linear: Linearised, whole: WholeMatrices, steps: int) -> None:
+    def __init__(self, balance: OrbitBalance, linear: Linearised, steps: int) -> None:
         self.balance, self.steps, self.method = balance, steps, radau(STAGES)
         problem = balance.problem
         self.size, self.stages = 6 * problem.size, STAGES
@@ -69,26 +85,39 @@ class _Coefficients:
         unit = unit_of(problem.length)
         self.unit = np.ones(6 * problem.pattern.size)
         self.unit[: self.size] = np.tile([unit] * 3 + [1.0] * 3, problem.size)
-        K, C, M, ad = whole
-        forces, turns = self.unit[:, None] * self.unit, self.unit / self.unit[:, None]
-        self.K, self.C, self.M = (self._at(part * forces) for part in (K, C, M))
-        self.ad = self._at(ad * turns)
+        pattern, nodes = problem.pattern, np.arange(problem.size)
+        self.K, self.C = (
+            whole_matrix(balance, part, pattern.rows, pattern.columns) for part in (linear.K, linear.C)
+        )
+        self.M, self.ad = (whole_matrix(balance, part, nodes, nodes) for part in (linear.M, linear.ad))
         self.partial = balance.supports.partial
-        self.Z = None
+        self.Z: Floats | None = None
         if len(self.partial):
-            Z = np.tile(np.eye(len(self.unit)), (len(K), 1, 1))
+            self.Z = np.tile(np.eye(len(self.unit)), (len(self.K), 1, 1))
             for number, k in enumerate(self.partial):
                 first = 6 * int(balance.supports.set.nodes[k])
-                Z[:, first : first + 6, first : first + 6] = linear.Z[:, number]
-            self.Z0, self.Z = Z[0] * turns, self._at(Z * turns)
+                self.Z[:, first : first + 6, first : first + 6] = linear.Z[:, number]
         self.B = None
         if problem.relaxing:
-            self.B = self._at(strains_of_nodes(balance, linear.strain) * self.unit[: self.size])
+            self.B = strains_of_nodes(balance, linear.strain)
             self.moduli = _weighted_moduli(balance)
 
-    def _at(self, values: Floats) -> Floats:
+    def forces(self, matrix: Floats, rows: Integers, columns: Integers) -> Floats:
+        """Return a part of a matrix of forces by motions ``(N, R, R)`` at all stages ``(steps, stages, ...)``."""
+        return self.at(matrix[:, rows[:, None], columns] * (self.unit[rows][:, None] * self.unit[columns]))
+
+    def motions(self, matrix: Floats, rows: Integers, columns: Integers) -> Floats:
+        """Return a part of a matrix of motions by motions, likewise."""
+        return self.at(self.turned(matrix, rows, columns))
+
+    def turned(self, matrix: Floats, rows: Integers, columns: Integers) -> Floats:
+        """Return a part of a matrix of motions by motions at the phases of the orbit, scaled."""
+        return np.asarray(matrix[:, rows[:, None], columns] * (self.unit[columns] / self.unit[rows][:, None]))
+
+    def at(self, values: Floats) -> Floats:
+        """Return values at the phases of the orbit ``(N, ...)`` at all stages of all steps."""
         flat = self._weights @ values.reshape(len(values), -1)
-        return flat.reshape(self.steps, self.stages, *values.shape[1:])
+        return np.asarray(flat.reshape(self.steps, self.stages, *values.shape[1:]))
 
 
 def _weighted_moduli(balance: OrbitBalance) -> Floats:
@@ -121,22 +150,22 @@ class _Period:
                 [first + np.arange(6) for first in partial if first // 6 in nodes] or [nodal[:0]]
             )
             self.twists = np.union1d(nodal, mine.astype(np.int64))
-        both = np.ix_(np.arange(self.steps), np.arange(self.stages), self.rows, self.twists)
-        self.K = whole.K[both]
-        self.C, self.M = whole.C[both], whole.M[both]
-        self.own = whole.K[
-            np.ix_(*[np.arange(k) for k in (self.steps, self.stages)], self.rows, self.conditions)
-        ]
-        square = np.ix_(np.arange(self.steps), np.arange(self.stages), self.twists, self.twists)
-        self.ad = whole.ad[square]
+        self.K, self.C, self.M = (
+            whole.forces(part, self.rows, self.twists) for part in (whole.K, whole.C, whole.M)
+        )
+        self.own = whole.forces(whole.K, self.rows, self.conditions)
+        self.turned = whole.motions(whole.ad, self.twists, self.twists)
         columns = np.searchsorted(self.twists, self.poses)
-        if whole.Z is None:
-            self.Z = np.broadcast_to(np.eye(len(self.twists)), self.ad.shape)[..., columns]
-            self.Z0 = np.eye(len(self.twists))[:, columns]
-        else:
-            self.Z = whole.Z[square][..., columns]
-            self.Z0 = whole.Z0[np.ix_(self.twists, self.twists)][:, columns]
-        self.G = None if whole.B is None else whole.B[..., self.twists] @ self.Z
+        self.Z: Floats | None = None
+        self.Z0 = np.eye(len(self.twists))[:, columns]
+        if whole.Z is not None:
+            self.Z0 = whole.turned(whole.Z[:1], self.twists, self.twists)[0][:, columns]
+            self.Z = whole.motions(whole.Z, self.twists, self.twists)[..., columns]
+            self.turned = self.turned @ self.Z
+        self.G = None
+        if whole.B is not None:
+            G = whole.at(whole.B[:, :, self.twists] * whole.unit[self.twists])
+            self.G = G if self.Z is None else G @ self.Z
         if self.G is not None:
             A, unit = self.method.matrix, np.eye(self.stages)
             times = whole.balance.problem.relaxation_times
@@ -148,28 +177,30 @@ class _Period:
         d, s = self.method.derivative / self.h, self.stages
         twice, starts = d @ d, d.sum(axis=1)
         f, t, u = len(self.poses), len(self.twists), len(self.rows)
-        K, C, M, ad, Z = self.K, self.C, self.M, self.ad, self.Z
-        turned = ad @ Z
+        K, C, M, Z, turned = self.K, self.C, self.M, self.Z, self.turned
         J = np.zeros((self.steps, s, u, s, u))
         right = np.zeros((self.steps, s, u, f + t))
-        plain = self.whole.Z is None
+        if Z is None:  # then the mass does not change
+            fill_steps(d, twice, C, M[0, 0] @ turned, np.ascontiguousarray(M[0, 0]), J)
         for i in range(s):
             viscous, inertia = C[:, i], M[:, i]
-            for j in range(s):
-                block = d[i, j] * viscous + twice[i, j] * inertia
-                J[:, i, :, j, :f] = block if plain else block @ Z[:, j]
-                J[:, i, :, j, :f] += d[i, j] * (inertia @ turned[:, j])
-            J[:, i, :, i, :f] += (K[:, i] if plain else K[:, i] @ Z[:, i]) + viscous @ turned[:, i]
+            J[:, i, :, i, :f] += (K[:, i] if Z is None else K[:, i] @ Z[:, i]) + viscous @ turned[:, i]
             J[:, i, :, i, f:] = self.own[:, i]
             right[:, i, :, :f] = (starts[i] * viscous + (d @ starts)[i] * inertia) @ self.Z0
             right[:, i, :, f:] = starts[i] * inertia
+            if Z is None:
+                continue
+            for j in range(s):
+                block = d[i, j] * viscous + twice[i, j] * inertia
+                J[:, i, :, j, :f] += block @ Z[:, j] + d[i, j] * (inertia @ turned[:, j])
         if self.G is not None:
             right = np.concatenate([right, self._add_branches(J)], axis=-1)
         found = np.linalg.solve(
             J.reshape(self.steps, s * u, s * u), right.reshape(self.steps, s * u, right.shape[-1])
         )
         y: Floats = np.asarray(found.reshape(self.steps, s, u, -1)[:, :, :f], dtype=np.float64)
-        last = turned[:, -1] @ y[:, -1] + sum(d[-1, j] * (Z[:, j] @ y[:, j]) for j in range(s))
+        moved = y if Z is None else Z @ y
+        last = turned[:, -1] @ y[:, -1] + np.einsum("j,ajxc->axc", d[-1], moved)
         last[..., :f] -= starts[-1] * self.Z0
         parts = [y[:, -1], last]
         if self.G is not None:

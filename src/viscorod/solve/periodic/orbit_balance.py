@@ -29,7 +29,8 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.periodic.drive import Drive
 from viscorod.solve.periodic.fourier import Fourier
 from viscorod.solve.periodic.orbit_kernels import add_to_orbit, place_orbit
-from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.periodic.orbit_loads import OrbitLoads
+from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity.balance import adjoint_map
 from viscorod.solve.sensitivity.step_linearisation import series_of_exponential
@@ -164,7 +165,9 @@ class OrbitBalance:
         """Take other phases."""
         self.fourier, self.phases, self.D = fourier, fourier.phases, fourier.derivative()
         self._points = GaussStates.of(self.elements, fourier.count, carried=True)
-        self._known: tuple[Floats, list[LoadState]] | None = None
+        self._masses = np.tile(self.body.mass, (fourier.count, 1, 1))
+        self._loaded: list[OrbitLoads] = []
+        self._still: tuple[Floats, Floats] | None = None
 
     def resting(self) -> Orbit:
         """Return the orbit that does not move."""
@@ -201,21 +204,10 @@ class OrbitBalance:
         problem, body, supports, base = self.problem, self.body, self.supports, self.base
         count, n, omega = self.fourier.count, self.problem.size, setting.omega
         rates = omega * np.tensordot(self.D, orbit.X, axes=1)
-        r, q = np.tile(base.r, (count, 1, 1)), np.tile(base.q, (count, 1, 1))
-        twist = np.zeros((count, n, 6))
         of_supports, of_joints = self.drive.motion(self.phases, omega, setting.level)
         targets = self._still_targets + of_supports[0]
-        complete = supports.complete
-        held = supports.set.nodes[complete]
-        known = np.zeros((count, len(complete), 6))
-        if len(complete):
-            own = [np.ascontiguousarray(part[:, complete]) for part in (targets, *of_supports[1:])]
-            fixed = np.empty((len(complete), 3)), np.empty((len(complete), 4))
-            moving, rate = np.empty((len(complete), 6)), np.empty((len(complete), 6))
-            where = supports.set.axes[complete], supports.r0[complete], supports.q0[complete]
-            for i in range(count):
-                prescribed_motion(*where, own[0][i], own[1][i], own[2][i], *fixed, moving, rate)
-                r[i, held], q[i, held], twist[i, held], known[i] = *fixed, moving, rate
+        held = supports.set.nodes[supports.complete]
+        r, q, twist, known = self._held(targets, of_supports)
         free = np.flatnonzero(body.held == 0.0)
         place_orbit(base.r, base.q, orbit.X, rates, body.split, free, r, q, twist)
         acceleration = omega * np.tensordot(self.D, twist, axes=1)
@@ -224,26 +216,22 @@ class OrbitBalance:
         internal, spring = self._internal(r, q, twist, orbit.multiplier, omega, frozen)
         powers, gaps = np.zeros((3, count)), np.zeros((count, len(self.scale)))
         force, size = internal, self._largest(internal)
-        drive = np.zeros(count)
         constraints = self.system.constraints
-        for i, load in enumerate(self._loads(omega, setting.level)):
-            external = np.zeros((n, 6))
-            powers[2, i] = load.add(problem, (r[i], q[i]), twist[i], external)
-            if problem.constrained:
-                self._aim_joints(of_joints, i)
-                at = problem.held
-                constraints.gap[at.place] = self._points.strain[i, at.element, at.point, at.component]
-                constraints.add_forces(states[i], force[i])
-                gaps[i] = constraints.gap
-                powers[0, i], powers[1, i] = self._joint_powers()
-            drive[i] = float(np.vdot(external, twist[i])) + powers[2, i]
-            force[i] -= external
+        external, powers[2] = self._loads(omega, setting.level).add(problem, r, q, twist)
+        drive = np.einsum("pki,pki->p", external, twist) + powers[2]
+        for i in range(count if problem.constrained else 0):
+            self._aim_joints(of_joints, i)
+            at = problem.held
+            constraints.gap[at.place] = self._points.strain[i, at.element, at.point, at.component]
+            constraints.add_forces(states[i], force[i])
+            gaps[i] = constraints.gap
+            powers[0, i], powers[1, i] = self._joint_powers()
+        force -= external
         momentum = np.einsum("kij,pkj->pki", body.mass, twist)
         inertia = np.einsum("kij,pkj->pki", body.mass, acceleration) - setting.lack * momentum
         size = max(size, self._largest(inertia))
         force += inertia
-        for i in range(count):
-            add_coriolis(body.mass, twist[i], force[i])
+        add_coriolis(self._masses, twist.reshape(-1, 6), force.reshape(-1, 6))
         scaled = (self.scale * gaps).reshape(count, -1, 6)
         residual = np.concatenate([force, scaled], axis=1)
         reaction = np.zeros_like(targets)
@@ -274,6 +262,30 @@ class OrbitBalance:
             frozen,
         )
 
+    def _held(
+        self, targets: Floats, motion: tuple[Floats, Floats, Floats]
+    ) -> tuple[Floats, Floats, Floats, Floats]:
+        """Return poses and twists of all nodes, at rest but for complete supports, and twist rates of these."""
+        supports, base, count = self.supports, self.base, self.fourier.count
+        complete = supports.complete
+        held = supports.set.nodes[complete]
+        known = np.zeros((count, len(complete), 6))
+        twist = np.zeros((count, self.problem.size, 6))
+        if self._still is not None:
+            return self._still[0].copy(), self._still[1].copy(), twist, known
+        r, q = np.tile(base.r, (count, 1, 1)), np.tile(base.q, (count, 1, 1))
+        if len(complete):
+            own = [np.ascontiguousarray(part[:, complete]) for part in (targets, *motion[1:])]
+            fixed = np.empty((len(complete), 3)), np.empty((len(complete), 4))
+            moving, rate = np.empty((len(complete), 6)), np.empty((len(complete), 6))
+            where = supports.set.axes[complete], supports.r0[complete], supports.q0[complete]
+            for i in range(count):
+                prescribed_motion(*where, own[0][i], own[1][i], own[2][i], *fixed, moving, rate)
+                r[i, held], q[i, held], twist[i, held], known[i] = *fixed, moving, rate
+        if not self.drive.moving:
+            self._still = r.copy(), q.copy()
+        return r, q, twist, known
+
     def linearised(self, motion: Motion) -> Linearised:
         """Return the derivatives of the unbalanced forces of a motion."""
         problem, body, supports = self.problem, self.body, self.supports
@@ -292,7 +304,7 @@ class OrbitBalance:
         C[:, own] += gyroscopic
         _, of_joints = self.drive.motion(self.phases, motion.setting.omega, motion.setting.level)
         into_rows = np.ones(6 * pattern.size)
-        for i, load in enumerate(self._loads(motion.setting.omega, motion.setting.level)):
+        for i, load in enumerate(self._loads(motion.setting.omega, motion.setting.level).states):
             state = motion.states[i]
             operators = Operators(B[i], A[i], P[i])
             self.system.linearise(state, still, motion.points.stress[i], operators, K[i], C[i])
@@ -348,7 +360,7 @@ class OrbitBalance:
         """Return section forces ``(N, e, points, 6)`` after body increments ``(N, N_b, 6)``, to first order."""
         elements, n = self.elements, self.problem.size
         poses = np.ascontiguousarray(change[:, :n])
-        twists = np.einsum("kpqij,qkj->pki", linear.V, poses, optimize=True)
+        twists = np.einsum("kpqij,qkj->pki", linear.V, poses)
         at = [part[:, elements.nodes].reshape(len(part), len(elements.nodes), -1) for part in (poses, twists)]
         own = (linear.force @ at[0][..., None] + linear.viscous @ at[1][..., None])[..., 0]
         found = stress + own.reshape(stress.shape)
@@ -411,18 +423,15 @@ class OrbitBalance:
         """Return the power of each input over its own force or motion ``(N, k)``: the rate conjugate to a force."""
         drive, problem = self.drive, self.problem
         found = np.zeros((self.fourier.count, len(drive.signals)))
+        r, q = (np.array([getattr(state, name) for state in motion.states]) for name in ("r", "q"))
         for k, number in enumerate(drive.loads):
             if number < 0:
                 continue
-            for i, state in enumerate(motion.states):
-                pair = []
-                for size in (0.0, 1.0):
-                    external = np.zeros((problem.size, 6))
-                    given = {int(number): size}
-                    load = self.loads.at(0.0, self._before, given=self._others(given))
-                    load.add(problem, (state.r, state.q), state.twist, external)
-                    pair.append(float(np.vdot(external, state.twist)))
-                found[i, k] = pair[1] - pair[0]
+            for size, sign in ((1.0, 1.0), (0.0, -1.0)):
+                given = self._others({int(number): size})
+                load = self.loads.at(0.0, self._before, given=given)
+                external, _ = OrbitLoads.of([load] * self.fourier.count).add(problem, r, q, motion.twist)
+                found[:, k] += sign * np.einsum("pki,pki->p", external, motion.twist)
         return found
 
     def _largest(self, force: Floats) -> float:
@@ -437,15 +446,17 @@ class OrbitBalance:
         elements = self.elements
         return np.asarray(elements.half_lengths[:, None] * elements.weights[elements.order])
 
-    def _loads(self, omega: float, level: float) -> list[LoadState]:
+    def _loads(self, omega: float, level: float) -> OrbitLoads:
         factors = self.drive.factors(self.phases, omega, level)
-        if self._known is not None and np.array_equal(self._known[0], factors):
-            return self._known[1]
-        found = []
+        for known in self._loaded:
+            if np.array_equal(known.factors, factors):
+                return known
+        states = []
         for row in factors:
             given = {int(k): float(f) for k, f in zip(self.drive.loads, row, strict=True) if k >= 0}
-            found.append(self.loads.at(0.0, self._before, given=given))
-        self._known = factors, found
+            states.append(self.loads.at(0.0, self._before, given=given))
+        found = OrbitLoads.of(states, factors)
+        self._loaded = [found, *self._loaded[:1]]  # one level and that by which the drive is told from it
         return found
 
     def _aim_joints(self, motion: tuple[Floats, Floats], i: int) -> None:

@@ -11,8 +11,6 @@ Motions that do not couple, such as those across the plane in which a rod swings
 
 from __future__ import annotations
 
-from typing import NamedTuple
-
 import numpy as np
 from scipy import linalg, sparse
 from scipy.sparse.csgraph import connected_components
@@ -20,23 +18,15 @@ from scipy.sparse.csgraph import connected_components
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
+from viscorod.solve.periodic.orbit_kernels import add_orbit_blocks
 from viscorod.typing import Floats, Integers
 
-__all__ = ["OrbitMatrix", "coupled_motions", "free_motions", "strains_of_nodes", "whole_matrices"]
+__all__ = ["OrbitMatrix", "coupled_motions", "free_motions", "strains_of_nodes", "whole_matrix"]
 
 DENSE = 2500
 """Unknowns up to which a dense factorisation is faster than a sparse one."""
 COUPLED = 1e-11
 """Size of an entry, over the geometric mean of the largest of its row and its column, that is more than round-off."""
-
-
-class WholeMatrices(NamedTuple):
-    """K, C, M and ad(x) at all phases ``(N, R, R)``, over the motions of all nodes and the multipliers."""
-
-    K: Floats
-    C: Floats
-    M: Floats
-    ad: Floats
 
 
 class OrbitMatrix:
@@ -56,7 +46,6 @@ class OrbitMatrix:
         balance: OrbitBalance,
         omega: float,
         linear: Linearised,
-        whole: WholeMatrices,
         motions: Integers,
     ) -> None:
         self.balance, self.motions = balance, motions
@@ -71,7 +60,7 @@ class OrbitMatrix:
         self._Z = linear.Z
         self._scales = np.repeat(own, self._count)
         self.dense = len(self._scales) <= DENSE
-        self.matrix = self._dense(linear, whole, omega) if self.dense else self._sparse(linear, omega)
+        self.matrix = self._dense(linear, omega) if self.dense else self._sparse(linear, omega)
 
     @property
     def size(self) -> int:
@@ -136,29 +125,22 @@ class OrbitMatrix:
             found[:, node] = np.einsum("pij,pj->pi", self._Z[:, number], found[:, node])
         return np.ascontiguousarray(found)
 
-    def _dense(self, linear: Linearised, whole: WholeMatrices, omega: float) -> Floats:
+    def _dense(self, linear: Linearised, omega: float) -> Floats:
         """Return the matrix of few unknowns."""
         balance, rows, count = self.balance, self.motions, self._count
         D, here = omega * balance.D, np.arange(count)
         columns = np.union1d(rows, _of_partial_nodes(balance)) if balance.body.partly else rows
-        V = linear.V
-        node = columns // 6
-        K, C, M = (part[:, rows] for part in whole[:3])
+        pattern, nodes = balance.problem.pattern, np.arange(balance.problem.size)
         found = np.zeros((len(rows), count, len(columns), count))
-        for k in np.unique(node[columns < 6 * balance.problem.size]).tolist():
-            own = slice(6 * k, 6 * k + 6)
-            mine = np.flatnonzero(node == k)
-            turned = V[k][..., columns[mine] % 6]  # of all twists of the node
-            pushed = np.tensordot(D, turned, axes=(1, 0))
-            viscous = np.flatnonzero(np.abs(C[:, :, own]).any(axis=(0, 2)))
-            found[np.ix_(viscous, np.arange(count), mine, np.arange(count))] += np.einsum(
-                "pik,pqkj->ipjq", C[:, viscous, own], turned, optimize=True
-            )
-            heavy = np.flatnonzero(np.abs(M[:, :, own]).any(axis=(0, 2)))
-            found[np.ix_(heavy, np.arange(count), mine, np.arange(count))] += np.einsum(
-                "pik,pqkj->ipjq", M[:, heavy, own], pushed, optimize=True
-            )
-        found[:, here, :, here] += K[:, :, columns]
+        of_rows, of_columns = np.full((2, 6 * pattern.size), -1, dtype=np.int64)
+        of_rows[rows], of_columns[columns] = np.arange(len(rows)), np.arange(len(columns))
+        n = len(nodes)
+        pushed = (D @ linear.V.reshape(n, count, -1)).reshape(linear.V.shape)
+        C = np.ascontiguousarray(linear.C)
+        add_orbit_blocks(C, pattern.rows, pattern.columns, linear.V, of_rows, of_columns, found)
+        add_orbit_blocks(linear.M, nodes, nodes, pushed, of_rows, of_columns, found)
+        K = whole_matrix(balance, linear.K, pattern.rows, pattern.columns)
+        found[:, here, :, here] += K[:, rows[:, None], columns]
         if balance.problem.relaxing:
             found += self._branches(linear.strain, omega, rows, columns)
         for number, k in enumerate(balance.supports.partial):
@@ -206,6 +188,8 @@ class OrbitMatrix:
         blocks[:, here, :, here] += linear.K
         pushed = np.einsum("pr,krqjl->kpqjl", D, linear.V, optimize=True)
         blocks[pattern.diagonal[:n]] += np.einsum("pkij,kpqjl->kpiql", linear.M, pushed, optimize=True)
+        if balance.problem.relaxing:
+            self._add_branches(linear.strain, omega, blocks)
         supports = balance.supports
         for number, k in enumerate(supports.partial):
             mine = pattern.columns == supports.set.nodes[k]
@@ -223,23 +207,44 @@ class OrbitMatrix:
         scale = sparse.diags_array(self._scales)
         return sparse.csc_array(scale @ stored[own].tocsc()[:, own] @ scale)
 
+    def _add_branches(self, B: Floats, omega: float, blocks: Floats) -> None:
+        """Add the forces of Maxwell branches, by the strains at all phases, to blocks ``(b, N, 6, N, 6)``."""
+        balance, pattern, count = self.balance, self.balance.problem.pattern, self._count
+        elements, memory, supports = balance.elements, balance.system.relaxation, balance.supports
+        assert memory is not None
+        responses = balance.responses(omega)
+        slots = {pair: k for k, pair in enumerate(zip(pattern.rows, pattern.columns, strict=True))}
+        partial = {int(supports.set.nodes[k]): number for number, k in enumerate(supports.partial)}
+        for e, order in enumerate(elements.order.tolist()):
+            nodes = elements.nodes[e, : order + 1].tolist()
+            right = B[:, e, : 6 * order, : 6 * (order + 1)]
+            left = right.copy()
+            for a, node in enumerate(nodes):
+                if node in partial:
+                    left[..., 6 * a : 6 * a + 6] = right[..., 6 * a : 6 * a + 6] @ self._Z[:, partial[node]]
+            size = right.shape[-1]
+            part = np.zeros((size, count, size, count))
+            for g in range(order):
+                mine = slice(6 * g, 6 * g + 6)
+                weight = elements.weights[order, g] * elements.half_lengths[e]
+                for b, modulus in enumerate(memory.branches[elements.section[e, g]] * weight):
+                    if modulus.any():
+                        pushed = np.einsum("pai,ab->pib", left[:, mine], modulus)
+                        part += np.einsum(
+                            "pib,pq,qbj->ipjq", pushed, responses[b], right[:, mine], optimize=True
+                        )
+            whole = part.reshape(order + 1, 6, count, order + 1, 6, count)
+            for a, row in enumerate(nodes):
+                for c, column in enumerate(nodes):
+                    blocks[slots[row, column]] += whole[a, :, :, c].transpose(1, 0, 3, 2)
 
-def whole_matrices(balance: OrbitBalance, linear: Linearised) -> WholeMatrices:
-    """Return K ``(N, R, R)``, C, M and ad(x) ``(N, R, R)`` at all phases, over the motions of all block rows."""
-    pattern, n = balance.problem.pattern, balance.problem.size
-    nodes, count, rows = np.arange(n), len(linear.K), balance.problem.pattern.size
-    found = np.zeros((4, count, rows, 6, rows, 6))
-    for k, (blocks, row, column) in enumerate(
-        (
-            (linear.K, pattern.rows, pattern.columns),
-            (linear.C, pattern.rows, pattern.columns),
-            (linear.M, nodes, nodes),
-            (linear.ad, nodes, nodes),
-        )
-    ):
-        found[k][:, row, :, column] = np.swapaxes(blocks, 0, 1)
-    flat = found.reshape(4, count, 6 * rows, 6 * rows)
-    return WholeMatrices(flat[0], flat[1], flat[2], flat[3])
+
+def whole_matrix(balance: OrbitBalance, blocks: Floats, rows: Integers, columns: Integers) -> Floats:
+    """Return blocks at all phases ``(N, b, 6, 6)`` as matrices over the motions of all block rows ``(N, R, R)``."""
+    count, size = len(blocks), balance.problem.pattern.size
+    found = np.zeros((count, size, 6, size, 6))
+    found[:, rows, :, columns] = np.swapaxes(blocks, 0, 1)
+    return found.reshape(count, 6 * size, 6 * size)
 
 
 def strains_of_nodes(balance: OrbitBalance, B: Floats) -> Floats:
@@ -276,21 +281,31 @@ def free_motions(balance: OrbitBalance) -> np.ndarray:
     return found
 
 
-def coupled_motions(
-    balance: OrbitBalance, omega: float, linear: Linearised, whole: WholeMatrices
-) -> list[Integers]:
+def coupled_motions(balance: OrbitBalance, omega: float, linear: Linearised) -> list[Integers]:
     """Return the motions that are unknowns in groups that do not couple at any phase."""
-    K, C, M, ad = whole
-    parts = K, omega * C, C @ ad, omega**2 * M, omega * (M @ ad)
+    pattern, n = balance.problem.pattern, balance.problem.size
+    ad = np.zeros((len(linear.ad), pattern.size, 6, 6))
+    ad[:, :n] = linear.ad
+    parts = linear.K, omega * linear.C, linear.C @ ad[:, pattern.columns]
     size = sum(np.abs(part).max(axis=0) for part in parts)
-    rows, columns = np.sqrt(size.max(axis=1)), np.sqrt(size.max(axis=0))
-    linked = size > COUPLED * rows[:, None] * columns
+    heavy = omega**2 * linear.M, omega * (linear.M @ linear.ad)
+    size[pattern.diagonal[:n]] += sum(np.abs(part).max(axis=0) for part in heavy)
+    whole = 6 * pattern.size
+    rows = 6 * pattern.rows[:, None, None] + np.arange(6)[:, None] + np.zeros(6, dtype=np.int64)
+    columns = 6 * pattern.columns[:, None, None] + np.arange(6) + np.zeros((6, 1), dtype=np.int64)
+    of_rows, of_columns = np.zeros((2, whole))
+    np.maximum.at(of_rows, rows.ravel(), size.ravel())
+    np.maximum.at(of_columns, columns.ravel(), size.ravel())
+    linked = size > COUPLED * np.sqrt(of_rows[rows] * of_columns[columns])
     for k in balance.supports.partial:  # their axes mix the motions of a node
-        first = 6 * int(balance.supports.set.nodes[k])
+        node = int(balance.supports.set.nodes[k])
         axes = np.abs(linear.Z).max(axis=0)[int(np.flatnonzero(balance.supports.partial == k)[0])]
-        linked[first : first + 6, first : first + 6] |= axes > COUPLED
+        linked[pattern.diagonal[node]] |= axes > COUPLED
+    pairs = sparse.coo_array(
+        (np.ones(int(linked.sum())), (rows[linked], columns[linked])), shape=(whole, whole)
+    ).tocsr()
     free = np.flatnonzero(free_motions(balance))
-    count, label = connected_components(sparse.csr_array(linked[np.ix_(free, free)]), directed=False)
+    count, label = connected_components(pairs[free].tocsc()[:, free], directed=False)
     return [free[label == k] for k in range(count)]
 
 

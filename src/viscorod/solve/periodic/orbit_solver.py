@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.solve.periodic.orbit_balance import Frozen, Linearised, Motion, Orbit, OrbitBalance, Setting
-from viscorod.solve.periodic.orbit_matrix import OrbitMatrix, WholeMatrices, coupled_motions, whole_matrices
+from viscorod.solve.periodic.orbit_matrix import OrbitMatrix, coupled_motions
 from viscorod.typing import Floats, Integers
 
 __all__ = ["Jacobian", "OrbitSolver", "Solved", "orbit_size"]
@@ -21,6 +21,8 @@ ROUND_OFF = 1e-11
 """Size of a change over that of the orbit that no further correction would make smaller."""
 SMALLEST = 1e-14
 """Size of a change (over the length, or rad) that is round-off."""
+STILL = 1e-12
+"""Size of an orbit (over the length, or rad) that is none."""
 ITERATIONS = 24
 """Corrections, with renewed Jacobians where they converge slowly."""
 SLOW = 0.4
@@ -35,14 +37,12 @@ class Jacobian(NamedTuple):
     """The factorised Jacobian of an orbit with its border.
 
     Attributes:
-        matrix: of the driven motions; groups: of all motions that do not couple; linear, whole: derivatives at
-            the orbit, as blocks and as matrices.
+        matrix: of the driven motions; groups: of all motions that do not couple; linear: derivatives at the orbit.
     """
 
     matrix: OrbitMatrix
     groups: list[Integers]
     linear: Linearised
-    whole: WholeMatrices
 
 
 class Solved(NamedTuple):
@@ -54,10 +54,13 @@ class Solved(NamedTuple):
 
 
 def orbit_size(balance: OrbitBalance, orbit: Orbit) -> float:
-    """Return the root mean square over the phases of all displacements over the length, and rotations [rad]."""
+    """Return the root mean square over the phases of all displacements over the length, and rotations [rad].
+
+    It has a floor: where nothing moves, as an inextensible column under a pulsating load, changes are measured by it.
+    """
     scaled = orbit.X.copy()
     scaled[..., :3] /= balance.problem.length
-    return float(np.sqrt((scaled**2).sum(axis=(1, 2)).mean()))
+    return max(float(np.sqrt((scaled**2).sum(axis=(1, 2)).mean())), STILL)
 
 
 class OrbitSolver:
@@ -136,13 +139,12 @@ class OrbitSolver:
         """Make and factorise the Jacobian at an orbit, with conditions as its last rows."""
         balance, setting = self.balance, motion.setting
         linear = balance.linearised(motion)
-        whole = whole_matrices(balance, linear)
-        groups = coupled_motions(balance, setting.omega, linear, whole)
+        groups = coupled_motions(balance, setting.omega, linear)
         columns = [self._slope(orbit, motion, name) for name in self.unknown]
         more = setting._replace(level=setting.level + 1.0)  # in a step without round-off
         forces = self.balance.moved(orbit, more, motion.frozen).residual - motion.residual
         driven = driven_motions(balance, groups, forces, orbit)
-        matrix = OrbitMatrix(balance, setting.omega, linear, whole, driven)
+        matrix = OrbitMatrix(balance, setting.omega, linear, driven)
         wide = np.column_stack([matrix.right(column) for column in columns]) if columns else None
         self.rows = rows
         conditions = np.array([matrix.reduced(row) * matrix.weights for row in rows[0]])
@@ -150,7 +152,7 @@ class OrbitSolver:
         matrix.factorise(
             np.zeros((matrix.size, 0)) if wide is None else wide, conditions.reshape(k, matrix.size), rows[1]
         )
-        self.jacobian = Jacobian(matrix, groups, linear, whole)
+        self.jacobian = Jacobian(matrix, groups, linear)
         return self.jacobian
 
     def _slope(self, orbit: Orbit, motion: Motion, name: str) -> Floats:

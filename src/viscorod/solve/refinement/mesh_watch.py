@@ -47,6 +47,7 @@ class MeshWatch:
 
     Args:
         model: that was discretised; problem: what came of it; system: that solves it.
+        wanted: whether errors are estimated; where the program chooses the mesh they always are.
 
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
@@ -54,8 +55,11 @@ class MeshWatch:
         noted: states that a motion passed, with their times [s]; start: the one at t = 0.
     """
 
-    def __init__(self, model: ModelDescription, problem: Problem, system: System) -> None:
+    def __init__(
+        self, model: ModelDescription, problem: Problem, system: System, *, wanted: bool = True
+    ) -> None:
         self.model, self.problem, self.system = model, problem, system
+        self.wanted = wanted or bool(self.free)
         self.estimate: MeshEstimate | None = None
         self.found = self.lost = 0
         self.noted: list[tuple[float, Snapshot]] = []
@@ -73,8 +77,8 @@ class MeshWatch:
 
     @property
     def feasible(self) -> bool:
-        """Whether the problem is small enough for a finer one beside it."""
-        return self.problem.size <= MOST_NODES
+        """Whether errors are wanted, and the problem is small enough for a finer one beside it."""
+        return self.wanted and self.problem.size <= MOST_NODES
 
     # --- what is seen
 

@@ -7,6 +7,7 @@ from typing import Annotated, Any
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Flag, Number, different, whole_number, word
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 
 __all__ = ["BucklingSettings", "ConstantNames"]
@@ -41,3 +42,8 @@ class BucklingSettings(Meshed):
         "false keeps to the linear problem",
         default=True,
     )
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`; how far the load has to grow is what is sought."""
+        return Course("load", "", self.about, None)

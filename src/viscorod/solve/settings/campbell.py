@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -12,6 +12,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import Direction, Triple, numbers, one_of, vector, whole_number
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.steady import SteadySettings
 
@@ -66,6 +67,8 @@ class CampbellSettings(Meshed):
     Exactly one of `speeds` and `band` is given.
     """
 
+    needs: ClassVar[str] = "an axis and a band"
+
     axis: Direction = Key("about which the supports turn with the model, global axes, by the right-hand rule")
     speeds: Annotated[Sequence[float] | None, optional(_speeds)] = Key(
         "angular speeds, increasing, {}", "rad/s", default=None
@@ -98,6 +101,11 @@ class CampbellSettings(Meshed):
             return tuple(self.speeds)
         assert self.band is not None
         return tuple(float(value) for value in np.linspace(*self.band, self.count))
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`."""
+        return Course("speed", " rad/s", self.values[0], self.values[-1])
 
     def steady(self) -> SteadySettings:
         """Return the settings of the rotation at the highest speed."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import Annotated, Any, ClassVar
 
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.forms import POSITIVE, quantity
@@ -10,6 +10,7 @@ from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     positive,
 )
+from viscorod.solve.settings.course import Course
 
 __all__ = ["LARGEST_TOLERANCE", "Meshed"]
 
@@ -28,6 +29,9 @@ def _accuracy(value: Any) -> float:
 class Meshed(Definition):
     """What is wanted of a mesh."""
 
+    needs: ClassVar[str] = ""
+    """What stands in the table of the analysis at least, in words."""
+
     accuracy: Annotated[float, _accuracy] = Key(
         "wanted accuracy of the mesh where a rod leaves out elements: estimated error of positions over the largest "
         "displacement, of section forces over the largest one, of each listed frequency over itself. The mesh is "
@@ -35,3 +39,8 @@ class Meshed(Definition):
         default=1e-4,
         kw_only=True,
     )
+
+    @property
+    def course(self) -> Course:
+        """What grows while the analysis goes on: the load, in parts of it, unless it says otherwise."""
+        return Course("load", "", 0.0, 1.0)

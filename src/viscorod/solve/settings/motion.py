@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from functools import partial
-from typing import Annotated, Literal, Self
+from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
@@ -20,6 +20,7 @@ from viscorod.model.fields.values import (
     whole_number,
 )
 from viscorod.solve.formulations.registry import damping_words, dampings, formulation_words
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import LARGEST_TOLERANCE, Meshed
 from viscorod.solve.start import OptionalStart
 from viscorod.solve.transient.integrators import INTEGRATORS, Method, integrators_that
@@ -38,6 +39,8 @@ def _has(parameter: str, method: Method) -> bool:
 
 class SimulateSettings(Meshed):
     """How a motion is computed."""
+
+    needs: ClassVar[str] = "a duration"
 
     duration: Positive = Key("simulated time", "s")
     time_step: OptionalPositive = Key(
@@ -101,6 +104,11 @@ class SimulateSettings(Meshed):
         "time begins at 0",
         default=None,
     )
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`."""
+        return Course("t", " s", 0.0, self.duration)
 
     @model_validator(mode="after")
     def _one_start(self) -> Self:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -22,6 +22,7 @@ from viscorod.model.fields.values import (
     sequence,
     whole_number,
 )
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.signals import LoadInput, OptionalInputsField, OutputsField
 
@@ -56,6 +57,8 @@ class PeriodicSettings(Meshed):
     Forced ones are followed over `frequencies`, or at one `frequency` over `levels` of all amplitudes; free vibrations
     of a `mode` over their amplitude.
     """
+
+    needs: ClassVar[str] = "inputs, amplitudes, outputs and frequencies"
 
     outputs: OutputsField = Key(
         "what is read: as of frequency responses. Displacements and rotations are those from the reference shape"
@@ -106,6 +109,16 @@ class PeriodicSettings(Meshed):
         "whether the Floquet multipliers of every forced motion are computed, which tell whether it is stable",
         default=True,
     )
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`; at folds a curve over frequency or level turns back for a while."""
+        if self.largest is not None:
+            return Course("amplitude", "", 0.01 * self.largest, self.largest)
+        if self.levels is not None:
+            return Course("level", "", *self.levels)
+        assert self.frequencies is not None
+        return Course("f", " Hz", *self.frequencies)
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
@@ -11,6 +11,7 @@ from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import frequency_band, number, numbers, one_of
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.modes import AboutField
 from viscorod.solve.settings.signals import InputsField, LoadInput, OutputsField
@@ -88,6 +89,8 @@ class ResponseSettings(_Ported, Meshed):
     Exactly one of `frequencies` and `band` is given.
     """
 
+    needs: ClassVar[str] = "inputs, outputs and a band"
+
     frequencies: Frequencies = Key("at which the response is computed, {}", "Hz", default=None)
     band: Band = Key(
         "lowest and highest frequency, {}, between which they are chosen so that straight lines between them follow "
@@ -113,6 +116,11 @@ class ResponseSettings(_Ported, Meshed):
     def highest(self) -> float:
         """Highest frequency, Hz."""
         return float((self.frequencies or self.band or (0.0,))[-1])
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`."""
+        return Course("f", " Hz", 0.0, self.highest)
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:

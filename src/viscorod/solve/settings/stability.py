@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, ClassVar, Self
 
 import numpy as np
 from pydantic import model_validator
@@ -14,6 +14,7 @@ from viscorod.model.fields.metadata import Key, accepts, optional
 from viscorod.model.fields.values import numbers, whole_number
 from viscorod.solve.settings.buckling import ConstantNames
 from viscorod.solve.settings.campbell import MOST, increasing
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 
 __all__ = ["StabilitySettings"]
@@ -35,6 +36,8 @@ class StabilitySettings(Meshed):
 
     Exactly one of `load_factors` and `band` is given.
     """
+
+    needs: ClassVar[str] = "a band"
 
     load_factors: Annotated[Sequence[float] | None, optional(_factors)] = Key(
         "multiples of the loads that grow, increasing", default=None
@@ -59,6 +62,11 @@ class StabilitySettings(Meshed):
             return tuple(self.load_factors)
         assert self.band is not None
         return tuple(float(value) for value in np.linspace(*self.band, self.count))
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`."""
+        return Course("load", "", self.values[0], self.values[-1])
 
     @model_validator(mode="after")
     def _one_of_both(self) -> Self:

@@ -46,6 +46,7 @@ class SteadySettings(Meshed):
     Exactly one of `spin`, `energy` and `momentum` is given.
     """
 
+    needs: ClassVar[str] = "a spin"
     renamed: ClassVar[dict[str, str]] = {"about": "centre"}
 
     spin: Annotated[float | Triple | None, optional(_spin)] = Key(

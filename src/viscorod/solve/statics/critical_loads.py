@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 from viscorod.solve.formulations.system import State
@@ -51,13 +52,16 @@ class CriticalSearch:
         self._path.prepare(self._state, self._about)
         return critical_factors(self._path, self._state, self._about, count)
 
-    def exact(self, count: int, expected: Floats) -> tuple[list[CriticalPoint], Path]:
+    def exact(
+        self, count: int, expected: Floats, told: Callable[[float, float], None] | None = None
+    ) -> tuple[list[CriticalPoint], Path]:
         """Follow the equilibria to ``count`` vanishing stiffnesses.
 
         Args:
             count: of them.
             expected: linear critical factors; the path is given up at a multiple of the largest, without any at that
                 of the loads themselves.
+            told: is told the load factor of every point, and the step to it.
 
         Returns:
             The points in the order of the path; and the path, whose outcome is COMPLETED or POINTS where fewer were
@@ -65,13 +69,20 @@ class CriticalSearch:
         """
         points: list[PathPoint] = []
         last = float(expected[-1]) if len(expected) else self._about + 1.0
+
+        def keep(point: PathPoint) -> None:
+            if told is not None:
+                before = points[-1].factor if points else self._about
+                told(float(point.factor), float(abs(point.factor - before)))
+            points.append(point)
+
         course = self._path.follow(
             self._state.copy(),
             first=self._about,
             load_factor=self._about + BEYOND * (last - self._about),
             critical=count,
             points=POINTS,
-            on_point=points.append,
+            on_point=keep,
         )
         found = [
             self._point(points[number], number, course)

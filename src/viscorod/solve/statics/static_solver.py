@@ -14,6 +14,7 @@ from viscorod.solve.constraints.null_space import unit_rows
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.external_loads import ExternalLoads
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import (
     ROUGH,
     Convergence,
@@ -252,14 +253,8 @@ class StaticSolver:
         gap = max(gaps[:, :3].max(initial=0.0) / problem.length, gaps[:, 3:].max(initial=0.0))
         if max(gap, np.abs(constraints.gap / constraints.unit).max(initial=0.0)) > self.tolerance:
             return False
-        noise = 0.0
-        for part in problem.sets:
-            stiff = float(np.abs(part.stiffness[:, :3, :3]).max())
-            spacing = 2.0 * float(part.half_lengths.min()) / part.order
-            noise = max(noise, stiff / spacing)
-        size = max(problem.length, float(np.abs(state.r).max()))
         imbalance, _ = worst_node(self.supports.unbalanced(residual)[: problem.size], problem.length)
-        return bool(imbalance <= ROUND_OFF * np.finfo(float).eps * noise * size)
+        return bool(imbalance <= position_noise(problem, state.r))
 
     def crushed(self) -> int | None:
         """Return a node where sections of the last assembly are pressed through each other, None if none are.
@@ -304,3 +299,14 @@ class StaticSolver:
             gradients = unit_rows(sparse.csr_array(system.constraint_gradients(state) @ basis))
         forms = SecondVariation(system, supports, state, loads, balance, basis)
         return Tangent(stiffness, basis, gradients, forms.work, forms.loss)
+
+
+def position_noise(problem: Problem, positions: Floats) -> float:
+    """Return what rounding the positions ``(n, 3)`` makes of the forces of nodes [N]."""
+    stiffest = 0.0
+    for part in problem.sets:
+        stiff = float(np.abs(part.stiffness[:, :3, :3]).max())
+        spacing = 2.0 * float(part.half_lengths.min()) / part.order
+        stiffest = max(stiffest, stiff / spacing)
+    size = max(problem.length, float(np.abs(positions).max()))
+    return float(ROUND_OFF * np.finfo(float).eps * stiffest * size)

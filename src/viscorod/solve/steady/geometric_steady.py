@@ -28,7 +28,9 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.stability import circulatory
+from viscorod.solve.statics.static_solver import position_noise
 from viscorod.solve.steady.branch_springs import branch_springs
+from viscorod.solve.steady.continuation import LARGEST_GAP
 from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
 from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, first_order
@@ -118,6 +120,7 @@ class GeometricSteady:
         left = self.supports.unbalanced(left)
         forces = self._internal, external, inertial
         whole = float(problem.mass[:, 0, 0].mean()) * problem.length * self.rate**2
+        whole = max(whole, position_noise(problem, state.r) / LARGEST_GAP)  # slow rotations drown in it
         constraints = self.system.constraints
         opened = float((np.abs(constraints.gap) / constraints.unit).max(initial=0.0))
         return residual, max(imbalance(left, forces, whole, problem.length), opened)

@@ -32,6 +32,8 @@ CLOSE = 1e-7
 """Relative distance of inverse roots below which they are one, whose vectors are found together."""
 WIDE = 0.03
 """Gap between two distances, as a part of them, that is wide."""
+RESTING = 1e-12
+"""Part of the largest entry of C1 below which ``C1 Z`` of a copy is 0."""
 STEPS, FINEST = 4, 9
 """Parts of a half circle at first, and how often one is halved at most."""
 EVALUATIONS = 150
@@ -82,6 +84,18 @@ class QuadraticPencil:
         border = sparse.csr_array(s * (self.M @ self.Z) + self.C1 @ self.Z)
         down = sparse.csr_array(float(np.abs(self.K.diagonal()).mean()) * self.Z.T)
         return sparse.csr_array(sparse.block_array([[Q, border], [down, None]]))
+
+    def at_rest(self) -> sparse.csr_array:
+        """Return ``at(0)`` with another border for copies that are at rest where they are, of which ``C1 Z`` is 0."""
+        if not self.Z.shape[1]:
+            return self.at(0.0)
+        border = self.C1 @ self.Z
+        _, sizes, turned = np.linalg.svd(border, full_matrices=False)
+        Z, border = self.Z @ turned.T, border @ turned.T
+        resting = sizes <= RESTING * max(float(sizes.max()), float(np.abs(self.C1.data).max(initial=0.0)))
+        border[:, resting] = (self.M @ Z)[:, resting]
+        down = sparse.csr_array(float(np.abs(self.K.diagonal()).mean()) * Z.T)
+        return sparse.csr_array(sparse.block_array([[self.K, sparse.csr_array(border)], [down, None]]))
 
     @property
     def creep(self) -> float:

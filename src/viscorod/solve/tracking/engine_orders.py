@@ -9,7 +9,7 @@ from itertools import pairwise
 import numpy as np
 
 from viscorod.solve.tracking.mode_tracking import Tracker
-from viscorod.solve.tracking.special_values import ModeBetween, solved
+from viscorod.solve.tracking.special_values import ModeBetween, resting, solved
 
 __all__ = ["Critical", "critical_speeds"]
 
@@ -41,10 +41,12 @@ def critical_speeds(tracker: Tracker, orders: Sequence[float], waves: Sequence[i
         tracker: has followed the modes; orders: multiples of the speed.
         waves: by how many speeds the frequency of every mode in the frame of the diagram is more than on the model.
     """
-    found = []
+    found, still = [], resting(tracker.samples)
     for mode, wave in enumerate(waves):
-        for ends in pairwise(tracker.samples):
+        for k, ends in enumerate(pairwise(tracker.samples)):
             speeds = np.array([end.parameter for end in ends])
+            if still[k : k + 2, mode].any():
+                continue  # at no speed every multiple of it is there
             seen = np.array([end.roots[mode].imag for end in ends]) + wave * speeds
             for order in orders:
                 for sign in (1.0, -1.0):

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.solve.tracking.mode_tracking import Sample
-from viscorod.solve.tracking.special_values import grows
+from viscorod.solve.tracking.special_values import growing
 
 __all__ = ["Meeting", "meetings"]
 
@@ -42,7 +42,7 @@ def meetings(samples: list[Sample], mass: sparse.csr_array) -> list[Meeting]:
     """Return where two modes cross or veer, in order of the parameter."""
     p = np.array([sample.parameter for sample in samples])
     frequencies = np.array([np.abs(sample.roots.imag) for sample in samples])
-    growing = np.array([[grows(complex(s)) for s in sample.roots] for sample in samples])
+    unstable = growing(samples)
     found = []
     count = frequencies.shape[1]
     for i in range(count):
@@ -51,7 +51,7 @@ def meetings(samples: list[Sample], mass: sparse.csr_array) -> list[Meeting]:
             mean = 0.5 * (frequencies[:, i] + frequencies[:, j])
             if not (mean > 0.0).all() or (np.abs(apart) <= COINCIDE * mean).any():
                 continue
-            calm = ~(growing[:, i] | growing[:, j])  # two that flutter have one frequency
+            calm = ~(unstable[:, i] | unstable[:, j])  # two that flutter have one frequency
             for k in np.flatnonzero((apart[:-1] * apart[1:] < 0.0) & calm[:-1] & calm[1:]):
                 part = apart[k] / (apart[k] - apart[k + 1])
                 where = float(p[k] + part * (p[k + 1] - p[k]))

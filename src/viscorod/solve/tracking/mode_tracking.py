@@ -17,6 +17,7 @@ from scipy import sparse
 from scipy.optimize import linear_sum_assignment
 
 from viscorod.errors import SolveError
+from viscorod.solve.statics.newton import interruption
 from viscorod.solve.tracking.moving_pencil import MovingPencil, Spectrum
 from viscorod.typing import Floats
 
@@ -24,6 +25,8 @@ __all__ = ["SWINGS", "Family", "Sample", "Tracker", "alike"]
 
 SURE = 0.8
 """Likeness of two shapes from which on they are those of one mode."""
+BESIDE = 1e-4
+"""Part of the parameter beside which a slope is taken."""
 HALVINGS = 7
 """How often a step is halved at most to tell modes apart."""
 EQUAL = 1e-6
@@ -91,29 +94,55 @@ class Tracker:
         family: whose modes they are; count: how many.
         samples: at all values of the parameter so far, those between the ones asked for too, in order.
         doubts: stretches of the parameter in which modes could not be told apart, with their numbers.
+        check_interrupt: raises where the search is to stop; told: is told each value that is reached, and the step.
+        stopped: why the modes were not followed to the last value, empty if they were.
     """
 
     family: Family
     count: int
     check_interrupt: Callable[[], None] = lambda: None
+    told: Callable[[float, float], None] | None = None
+    stopped: str = ""
     samples: list[Sample] = field(default_factory=list)
     doubts: list[tuple[float, float, tuple[int, ...]]] = field(default_factory=list)
     _shift: float = 0.0
+    _space: int = 0
+    _slopes: np.ndarray | None = None
 
     def follow(self, parameters: Sequence[float], first: int = 0) -> None:
         """Follow the modes over increasing values of the parameter, from the one numbered ``first`` to both ends.
 
+        Where that ends early, between two values or more, the samples up to there are kept, and the reason.
+
         Raises:
-            SolveError: the small motions were not found somewhere.
+            SolveError: the small motions were not found near the first value.
         """
         start = self._begin(float(parameters[first]))
-        upwards = [start]
-        for value in parameters[first + 1 :]:
-            self._step(upwards, float(value), 0)
-        downwards = [start]
-        for value in list(parameters[:first])[::-1]:
-            self._step(downwards, float(value), 0)
+        self._slopes = self._slopes_at(start)
+        upwards, downwards = [start], [start]
+        try:
+            for values, way in ((parameters[:first][::-1], downwards), (parameters[first + 1 :], upwards)):
+                for value in map(float, values):
+                    step = value - way[-1].parameter
+                    self._step(way, value, 0)
+                    if self.told is not None and way is upwards:
+                        self.told(value, step)
+        except (SolveError, KeyboardInterrupt) as error:
+            self.samples = downwards[:0:-1] + upwards
+            if len(self.reached(parameters)) < 2:
+                raise
+            self.stop(interruption(error) if isinstance(error, KeyboardInterrupt) else str(error))
         self.samples = downwards[:0:-1] + upwards
+
+    def stop(self, reason: str) -> None:
+        """Keep the reason why something was not done to its end; what is there is evaluated without asking again."""
+        self.stopped = reason
+        self.check_interrupt = lambda: None
+
+    def reached(self, parameters: Sequence[float]) -> list[float]:
+        """Return the values, of those that were asked for, at which there are samples."""
+        known = {sample.parameter for sample in self.samples}
+        return [float(value) for value in parameters if float(value) in known]
 
     def at(self, parameters: Sequence[float]) -> list[Sample]:
         """Return the samples at values that were asked for."""
@@ -127,12 +156,14 @@ class Tracker:
         wanted = min(self.count + 2 if count is None else count, pencil.size // 2)
         if self._shift == 0.0:
             self._shift = _first_shift(pencil)
-        found = pencil.slowest(wanted, reach, self._shift)
+        found = pencil.slowest(wanted, reach, self._shift, self._space)
+        if count is None:
+            self._space = found.space
         shapes = found.shapes
         for same in _clusters(found.roots):
             shapes[:, same] = self.family.principal(parameter, shapes[:, same])
         size = np.sqrt(np.einsum("ik,ik->k", shapes.conj(), self.family.mass @ shapes).real)
-        return Spectrum(found.roots, shapes / size, found.complete)
+        return Spectrum(found.roots, shapes / size, found.complete, found.space)
 
     def _begin(self, parameter: float) -> Sample:
         found = self.spectrum(parameter, 0.0)
@@ -149,6 +180,20 @@ class Tracker:
         if not len(chosen):
             raise SolveError("No small motion oscillates where modes begin to be followed")
         return Sample(parameter, s[chosen], found.shapes[:, chosen], np.ones(len(chosen)), found)
+
+    def _slopes_at(self, start: Sample) -> np.ndarray:
+        """Return the changes of the roots by the parameter where modes begin to be followed; 0 if not known.
+
+        From rest on the two whirls of a round shaft have the same shapes, and which is which their courses alone tell.
+        """
+        slopes = np.zeros(len(start.roots), dtype=complex)
+        step = BESIDE * start.parameter
+        if step > 0.0:
+            pencil = self.family.pencil(start.parameter + step)
+            for k, (s, shape) in enumerate(zip(start.roots, start.shapes.T, strict=True)):
+                found = pencil.refined(complex(s), shape, max(BEND * abs(s), 10.0 * step))
+                slopes[k] = 0.0 if found is None else (found[0] - s) / step
+        return slopes
 
     def _worth(self, s: np.ndarray, parameter: float) -> np.ndarray:
         """Return which roots begin modes: those that swing or grow, and creeping ones slower than all of these.
@@ -180,7 +225,7 @@ class Tracker:
     def _matched(self, way: list[Sample], found: Spectrum, parameter: float) -> Sample:
         """Return the motions that continue the modes of the last sample."""
         last = way[-1]
-        expected, mass = _course(way, parameter), self.family.mass
+        expected, mass = _course(way, parameter, self._slopes), self.family.mass
         likeness = alike(last.roots, last.shapes, found.roots, found.shapes, mass)
         mirrored = alike(last.roots, last.shapes, found.roots, found.shapes.conj(), mass)
         momenta = (mass @ last.shapes).conj().T
@@ -196,6 +241,8 @@ class Tracker:
                 for mac, own, d in zip((likeness, mirrored), products, far, strict=True)
             ]
         )
+        resting = np.abs(found.roots) <= STILL * np.abs(last.roots).max()
+        cost += resting | self.family.idle(parameter, found.roots)  # whatever their shapes are like
         conjugate = cost[1] < cost[0]
         rows, columns = linear_sum_assignment(cost.min(axis=0))
         chosen = columns[np.argsort(rows)]
@@ -281,11 +328,11 @@ def _clusters(roots: np.ndarray) -> list[np.ndarray]:
     ]
 
 
-def _course(way: list[Sample], parameter: float) -> np.ndarray:
-    """Return where the roots of the modes lead at a value of the parameter."""
+def _course(way: list[Sample], parameter: float, slopes: np.ndarray | None) -> np.ndarray:
+    """Return where the roots of the modes lead at a value of the parameter, at first with their slopes."""
     last = way[-1]
     if len(way) < 2:
-        return last.roots
+        return np.asarray(last.roots + (0.0 if slopes is None else slopes) * (parameter - last.parameter))
     before = way[-2]
     part = (parameter - last.parameter) / (last.parameter - before.parameter)
     ahead = last.roots + part * (last.roots - before.roots)

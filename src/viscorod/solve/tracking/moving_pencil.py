@@ -46,12 +46,14 @@ GROWING = (0.1, 0.3, 0.6, 1.0)
 class Spectrum:
     """Roots ``s`` [1/s], one of each pair (Im >= 0), slowest first, and their motions as body increments ``(6 n, m)``.
 
-    ``complete``: all up to the largest ``|s|`` are there, as far as the iteration tells.
+    ``complete``: all up to the largest ``|s|`` are there, as far as the iteration tells. ``space``: dimension of the
+    space in which they were found.
     """
 
     roots: np.ndarray
     shapes: np.ndarray
     complete: bool = True
+    space: int = 0
 
 
 @dataclass(frozen=True)
@@ -73,13 +75,16 @@ class MovingPencil:
         """Number of motions of first order."""
         return 2 * self.quadratic.size - int(self.quadratic.Z.shape[1])
 
-    def slowest(self, count: int, reach: float, shift: float) -> Spectrum:
+    def slowest(self, count: int, reach: float, shift: float, space: int = 0) -> Spectrum:
         """Return at least ``count`` roots and all with ``|s| < reach`` [1/s], from a real ``shift`` [1/s].
+
+        ``space``: dimension of the space in which those of a similar pencil were found; what is wanted is only looked
+        for from there on.
 
         Raises:
             SolveError: they were not found.
         """
-        roots, vectors, complete = _Krylov(self.quadratic, shift).slowest(count, reach)
+        roots, vectors, complete, space = _Krylov(self.quadratic, shift).slowest(count, reach, space)
         if self.branches:
             kept = np.flatnonzero(roots.imag > 0.0)
             found = [self._with_branches(complex(roots[k]), vectors[:, k]) for k in kept]
@@ -91,7 +96,7 @@ class MovingPencil:
             distinct = [k for k in range(len(roots)) if not _again(roots, vectors, k)]
             roots, vectors, complete = roots[distinct], vectors[:, distinct], len(distinct) == len(kept)
         order = np.argsort(np.abs(roots), kind="stable")
-        return Spectrum(roots[order], np.asarray(self.basis @ vectors[:, order]), complete)
+        return Spectrum(roots[order], np.asarray(self.basis @ vectors[:, order]), complete, space)
 
     def refined(self, s: complex, shape: np.ndarray, far: float) -> tuple[complex, np.ndarray] | None:
         """Return the root next to ``s`` whose motion is like a shape ``(6 n,)``, by Newton's method; None without.
@@ -112,7 +117,7 @@ class MovingPencil:
         if not x.any():
             x = self._coordinates(shape).imag
         border = p.Z.shape[1]
-        factor = SparseLU(p.at(0.0))
+        factor = SparseLU(p.at_rest())
         value = np.inf
         for _ in range(100):
             x /= np.sqrt(x @ (p.M @ x))
@@ -237,8 +242,11 @@ class _Krylov:
         least = 1e-12 * float((stiff / mass).max()) * mass
         return np.concatenate([1.0 / np.sqrt(np.maximum(stiff, least)), 1.0 / np.sqrt(mass)])
 
-    def slowest(self, count: int, reach: float) -> tuple[np.ndarray, np.ndarray, bool]:
-        """Return at least ``count`` roots, one of each pair, and all up to ``reach``, with their vectors ``(m, k)``."""
+    def slowest(self, count: int, reach: float, space: int) -> tuple[np.ndarray, np.ndarray, bool, int]:
+        """Return at least ``count`` roots, one of each pair, and all up to ``reach``, with their vectors ``(m, k)``.
+
+        The third is whether these are all, the last the dimension of the space, ``space`` at least.
+        """
         p = self.pencil
         size = 2 * p.size
         most = min(size - self.copies, FULL)
@@ -251,7 +259,7 @@ class _Krylov:
         start, _ = np.linalg.qr(step(step(random.standard_normal((size, BLOCK)))))
         V, H = np.empty((size, most + BLOCK), order="F"), np.zeros((most + BLOCK, most + BLOCK))
         V[:, :BLOCK] = start
-        done, wanted = 0, min(most, 6 * count + 20)
+        done, wanted = 0, min(most, max(6 * count + 20, space))
         while True:
             while done < wanted:
                 mine = slice(done, done + BLOCK)
@@ -287,5 +295,5 @@ class _Krylov:
                 s, z = s[np.abs(s) <= bound], z[:, np.abs(s) <= bound]
                 y = unit[: p.size] * (V[: p.size, :done] @ z)
                 s = np.where(np.abs(s.imag) <= 1e-9 * np.abs(s), s.real + 0j, s)
-                return s, y, full or bool(enough)
+                return s, y, full or bool(enough), done
             wanted = min(most, int(1.35 * done) + 16)

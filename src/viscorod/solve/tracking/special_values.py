@@ -7,16 +7,17 @@ stiffness passes zero (Seyranian and Mailybaev, Multiparameter Stability Theory,
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import brentq
 
 from viscorod.errors import SolveError
-from viscorod.solve.tracking.mode_tracking import Sample, Tracker, alike
+from viscorod.solve.tracking.mode_tracking import STILL, Sample, Tracker, alike
 
-__all__ = ["Limit", "ModeBetween", "grows", "limits", "solved"]
+__all__ = ["Limit", "ModeBetween", "growing", "grows", "limits", "resting", "solved"]
 
 GROWS = 1e-7
 """Growth of a motion, as a part of its root, from which on it counts: round-off of undamped ones is less."""
@@ -49,6 +50,18 @@ class Limit:
 def grows(s: complex) -> bool:
     """Return whether a motion grows."""
     return bool(s.real > GROWS * abs(s) and s.real > 0.0)
+
+
+def resting(samples: Sequence[Sample]) -> np.ndarray:
+    """Return where modes are at rest ``(samples, modes)``: their roots are round-off beside those elsewhere."""
+    sizes = np.abs([sample.roots for sample in samples])
+    return np.asarray(sizes <= STILL * sizes.max(axis=0))
+
+
+def growing(samples: Sequence[Sample]) -> np.ndarray:
+    """Return where modes grow ``(samples, modes)``."""
+    found = np.array([[grows(complex(s)) for s in sample.roots] for sample in samples])
+    return np.asarray(found & ~resting(samples))
 
 
 class ModeBetween:
@@ -118,12 +131,12 @@ def solved(function: Callable[[float], float], low: float, high: float) -> tuple
 
 def limits(tracker: Tracker) -> list[Limit]:
     """Return where the modes that were followed begin to grow and cease to, in order of the parameter."""
-    found = []
+    found, unstable = [], growing(tracker.samples)
     for mode in range(len(tracker.samples[0].roots)):
-        for before, after in zip(tracker.samples[:-1], tracker.samples[1:], strict=True):
-            first, last = grows(before.roots[mode]), grows(after.roots[mode])
+        for k, ends in enumerate(pairwise(tracker.samples)):
+            first, last = unstable[k : k + 2, mode]
             if first != last:
-                found.append(_limit(tracker, mode, (before, after), last))
+                found.append(_limit(tracker, mode, ends, bool(last)))
     return sorted(found, key=lambda one: one.parameter)
 
 

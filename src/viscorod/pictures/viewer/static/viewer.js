@@ -230,7 +230,8 @@ viscorod.start = async function () {
       if (space) space.leaveTrace($("trace").value === "" ? null : Number($("trace").value));
       goTo(x[mode.first]);
     };
-    viscorod.modeTable($("modes"), meta.modes, choose);
+    $("mode-title").textContent = meta.film.title;
+    viscorod.modeTable($("modes"), meta.film.head, meta.modes, choose);
     meta.modes.forEach(({ name }, k) => option($("mode"), k, `${k + 1}: ${name}`));
     $("mode").addEventListener("change", () => choose(Number($("mode").value)));
     for (const id of ["mode-choice", "mode-list"]) $(id).hidden = false;
@@ -238,19 +239,20 @@ viscorod.start = async function () {
     for (const id of ["trace", "show-loads"]) $(id).parentElement.hidden = true;
     $("trace").value = "";
     $("trace").dispatchEvent(new Event("change"));
-    choose(Math.max(0, meta.modes.findIndex(({ frequency }) => frequency > 0)));
+    choose(meta.film.start);
     if (!window.matchMedia("(prefers-reduced-motion: reduce)").matches) press(true);
   } else goTo(x[0]);
   document.documentElement.dataset.ready = "yes";
 };
 
-/* Names, frequencies and damping ratios; a row that is clicked swings. */
-viscorod.modeTable = function (table, modes, choose) {
+/* Names and numbers of what swings; a row that is clicked does. */
+viscorod.modeTable = function (table, head, modes, choose) {
+  for (const text of head) table.tHead.rows[0].appendChild(document.createElement("th")).textContent = text;
   const body = table.createTBody();
-  modes.forEach(({ name, frequency, damping, swings }, k) => {
+  modes.forEach(({ name, cells }, k) => {
     const row = body.insertRow();
-    const ratio = frequency === 0 ? "" : swings ? viscorod.text(damping, 4) : "overdamped";
-    for (const text of [`${k + 1}`, name, viscorod.text(frequency, 6), ratio]) row.insertCell().textContent = text;
+    const texts = cells.map((cell, j) => (typeof cell === "string" ? cell : viscorod.text(cell, j ? 4 : 6)));
+    for (const text of [`${k + 1}`, name, ...texts]) row.insertCell().textContent = text;
     row.tabIndex = 0;
     row.addEventListener("click", () => choose(k));
     row.addEventListener("keydown", (event) => { if (event.key === "Enter") choose(k); });

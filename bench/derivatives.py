@@ -1,0 +1,183 @@
+"""Derivatives by numbers of a case: what they cost, and how far they are from extrapolated differences.
+
+    python bench/derivatives.py [models]
+    python bench/derivatives.py cost
+
+``models`` (200 by default) random models: rods clamped, free, hinged to a second one, with a body, a spring, held
+strains, Maxwell branches, rest strains. Each is differentiated by one of its numbers, in statics, in modes and in a
+motion, beside Richardson-extrapolated differences of whole analyses (motions: fixed steps of the midpoint rule or of
+generalised alpha, so that differences see no change of steps). What is compared is the largest error of all positions
+and strains (eigenvalues) over the largest derivative; where a number hardly matters, over the change that rounding
+could make of it.
+
+``cost`` prints processor time with p numbers over that without any, alternating, the least of several.
+"""
+
+from __future__ import annotations
+
+import sys
+import time
+import warnings
+from collections.abc import Callable
+
+import numpy as np
+
+import viscorod as vr
+from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
+
+FLOOR = {"equilibrium": 1e-7, "modes": 1e-7, "simulate": 1e-6}
+"""Wanted relative accuracy."""
+
+
+def random_model(rng: np.random.Generator) -> tuple[vr.Model, list[str]]:
+    """Return a random model, and keys of numbers of it."""
+    model = vr.Model()
+    maxwell = rng.random() < 0.3
+    times = rng.uniform(0.001, 0.02, 2)
+    damping = (
+        vr.Prony(shear_ratios=[0.2, 0.1], shear_times=sorted(times.tolist()), constant="bulk_modulus")
+        if maxwell
+        else vr.KelvinVoigt(*times.tolist())
+    )
+    modulus = 10.0 ** rng.uniform(6.0, 7.5)
+    rubber = vr.Material(modulus, poissons_ratio=rng.uniform(0.2, 0.48), density=1100.0, damping=damping)
+    model.materials["rubber"] = rubber
+    width, height = rng.uniform(0.008, 0.02, 2)
+    section = vr.Rectangle(width, height)
+    end = np.array([0.3, *rng.uniform(-0.1, 0.1, 2)])
+    given = {"section": section, "material": rubber, "order": 3}
+    model.add("beam", vr.Rod.straight((0, 0, 0), tuple(end), elements=2, **given))
+    keys = ["materials.rubber.youngs_modulus", "rods.beam.section.width", "materials.rubber.density"]
+    keys.append("materials.rubber.damping.shear_time" + ("s[1]" if maxwell else ""))
+    model.clamp("beam.start")
+    model.gravity(tuple(rng.normal(size=3) * 4.0))
+    keys.append("loads[0].acceleration[1]")
+    stiffness = modulus * min(width, height) ** 3 * max(width, height) / 12.0
+    model.force("beam.end", tuple(rng.normal(size=3) * 0.5 * stiffness / 0.09), until=0.0)
+    keys.append("loads[1].value[1]")
+    if rng.random() < 0.5:
+        extra = (
+            {"constraints": str(rng.choice(["inextensible", "unshearable"]))} if rng.random() < 0.5 else {}
+        )
+        tip = end + np.array([0.1, 0.0, 0.0])
+        model.add("arm", vr.Rod.straight(tuple(end), tuple(tip), elements=1, **given, **extra))
+        hinge = stiffness / 0.1 * rng.uniform(0.5, 2.0)
+        model.revolute(
+            "beam.end", "arm.start", axis=(0, 1, 0), stiffness={"rz": hinge}, damping={"rz": 0.01 * hinge}
+        )
+        keys += ["joints[0].stiffness.rz", "joints[0].damping.rz"]
+        place, name = "arm.end", tuple(tip)
+    else:
+        place, name = "beam.end", tuple(end)
+    if rng.random() < 0.5:
+        model.add("tip", vr.Body(mass=0.02, centre=name, inertia=(2e-6, 3e-6, 4e-6)))
+        model.attach(place, "tip")
+        keys += ["bodies.tip.mass", "bodies.tip.inertia[1]"]
+    if rng.random() < 0.5:
+        model.rest_strain("beam", (0, 0, 0, *(rng.normal(size=3) * 0.5)))
+        keys.append("rest_strains[0].value[3]")
+    return model, keys
+
+
+def differences(function: Callable[[float], np.ndarray], value: float, step: float) -> np.ndarray:
+    """Return the derivative by two central differences, extrapolated."""
+    first, second = ((function(value + h) - function(value - h)) / (2.0 * h) for h in (step, 0.5 * step))
+    return (4.0 * second - first) / 3.0
+
+
+def compared(model: vr.Model, key: str, kind: str, rng: np.random.Generator) -> float:
+    """Return the largest difference of a derivative from extrapolated differences, over the largest derivative."""
+    integrator = str(rng.choice(["generalized_alpha", "radau"]))
+    settings = {
+        "equilibrium": {},
+        "modes": {"count": 4},
+        "simulate": {"duration": 0.05, "integrator": integrator, "output_interval": 0.01},
+    }[kind]
+    if kind == "simulate":
+        settings |= {"tolerance": 1e-9} if integrator == "radau" else {"time_step": 1e-3}
+
+    def numbers(result: object) -> np.ndarray:
+        if kind == "modes":
+            return result.eigenvalues[result.rigid :]
+        return result.data["position"].values
+
+    number = CaseNumber.of(model, key)
+    found = getattr(model, kind)(**settings, derivatives=[key])
+    mine = found.derivatives[key].of(numbers)
+
+    def at(value: float) -> np.ndarray:
+        return numbers(getattr(with_values(model, {key: value}), kind)(**settings))
+
+    expected = differences(at, number.value, 4e-3 * number.size)
+    scale = np.abs(numbers(found)).max() if kind == "modes" else 0.3
+    noise = 1e-3 * scale / number.size  # a number that changes less than a thousandth per 100 %
+    return float(np.abs(mine - expected).max() / max(np.abs(expected).max(), noise))
+
+
+def accuracy(count: int) -> None:
+    """Print how far derivatives of random models are from extrapolated differences."""
+    rng = np.random.default_rng(21)
+    errors: dict[str, list[float]] = {kind: [] for kind in FLOOR}
+    for k in range(count):
+        model, keys = random_model(rng)
+        key = str(rng.choice(keys))
+        for kind, found in errors.items():
+            try:
+                found.append(compared(model, key, kind, rng))
+            except (vr.SolveError, vr.InputError) as error:
+                print(f"model {k}, {kind} by {key}: {error}")
+                continue
+            if found[-1] > FLOOR[kind]:
+                print(f"model {k}, {kind} by {key}: {found[-1]:.1e}")
+    for kind, found in errors.items():
+        median, most = np.median(found), np.max(found)
+        within = np.count_nonzero(np.array(found) <= FLOOR[kind])
+        print(
+            f"{kind}: {within} of {len(found)} within {FLOOR[kind]:.0e}; median {median:.1e}, largest {most:.1e}"
+        )
+
+
+def swing(elements: int) -> vr.Model:
+    """Return a rubber cantilever under gravity that is let go."""
+    model = vr.Model()
+    rubber = vr.Material(2.5e6, poissons_ratio=0.45, density=1100.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    model.materials["rubber"] = rubber
+    given = {"section": vr.Rectangle(0.02, 0.01), "material": rubber}
+    model.add("beam", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), elements=elements, order=3, **given))
+    model.clamp("beam.start")
+    model.gravity((0, 0, -9.81))
+    model.force("beam.end", (0, 0.02, 0), until=0.0)
+    return model
+
+
+def cost() -> None:
+    """Print what derivatives cost."""
+    keys = ["materials.rubber.youngs_modulus", "materials.rubber.damping.shear_time"]
+    keys += ["rods.beam.section.width", "loads[1].value[1]"]
+    response = {"inputs": "base uz", "outputs": "beam.end uz", "band": (1.0, 60.0)}
+    kinds = {
+        "equilibrium": {},
+        "modes": {},
+        "simulate": {"duration": 1.0, "output_interval": 0.01},
+        "frequency_response": response,
+    }
+    for elements in (8, 60):
+        model = swing(elements)
+        for kind, settings in kinds.items():
+            analysis = getattr(model, kind)
+            times = dict.fromkeys((0, 1, 2, 4), np.inf)
+            for _ in range(4):
+                for p in times:
+                    began = time.process_time()
+                    analysis(**settings, derivatives=keys[:p])
+                    times[p] = min(times[p], time.process_time() - began)
+            parts = ", ".join(f"p = {p}: {t / times[0]:.2f}" for p, t in times.items() if p)
+            print(f"{elements} elements, {kind} ({times[0]:.3f} s): {parts} of it")
+
+
+if __name__ == "__main__":
+    warnings.simplefilter("ignore")
+    if "cost" in sys.argv:
+        cost()
+    else:
+        accuracy(int(sys.argv[1]) if len(sys.argv) > 1 else 200)

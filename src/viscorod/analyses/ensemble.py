@@ -1,0 +1,117 @@
+"""Ensembles: one case with uncertain values, and what its results are worth."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any, TypeAlias
+
+import numpy as np
+
+from viscorod.analyses.sweep import sweep
+from viscorod.analyses.sweeps.points import points_of, require_distributions, uniform_points
+from viscorod.casefile.case import Case
+from viscorod.errors import Fault, InputError, SolveError
+from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.files.sweep_folder import SweepFolder
+from viscorod.results.quantities import Quantities
+from viscorod.typing import Floats
+
+__all__ = ["ensemble"]
+
+Progress: TypeAlias = Callable[[float], None]
+
+
+def ensemble(
+    case: Case | str | Path,
+    distributions: Mapping[str, Any],
+    n: int,
+    *,
+    quantities: Quantities,
+    seed: int = 0,
+    correlation: Any = None,
+    indices: bool = False,
+    constants: Mapping[str, Any] | None = None,
+    fields: bool = False,
+    executor: Any = None,
+    workers: int | None = None,
+    folder: str | Path | None = None,
+    members: slice | None = None,
+    errors: int | None = None,
+    progress: Progress | None = None,
+) -> Ensemble:
+    """Compute a case many times with uncertain values: quantiles of its quantities, and what their spread is due to.
+
+    Values are drawn at the points of a scrambled Sobol' sequence (``scipy.stats.qmc``). Member k has the same values
+    whatever computes it, and the members of a smaller ``n`` are the first ones of a larger one, so that a folder goes
+    on with what it has.
+
+    Args:
+        case: a case, or the path of its file; it must be right as it stands.
+        distributions: key of the case file -> frozen distribution of SciPy, such as ``scipy.stats.norm(1e6, 5e4)``, in
+            SI units.
+        n: number of points, a power of two.
+        quantities: as of ``viscorod.sweep``.
+        seed: of the scrambling.
+        correlation: of the distributions, in their order: the correlation matrix of the normal numbers from which a
+            Gaussian copula makes them (for normal distributions their own).
+        indices: compute Sobol' indices. That takes n (keys + 2) members, and independent distributions.
+        constants, fields, executor, workers, folder, members, errors, progress: as of ``viscorod.sweep``.
+
+    Returns:
+        The members, with quantiles, indices and pictures of them.
+
+    Raises:
+        InputError: something is wrong; nothing has been computed.
+        SolveError: it was interrupted; ``run`` holds what was computed.
+    """
+    require_distributions(distributions)
+    if not quantities:
+        why, instead = "there is nothing to tell of", 'give {"ratio": ("decrement", "beam.end", "y")}'
+        raise InputError(Fault("quantities", "", why, instead))
+    if indices and correlation is not None:
+        why = "parts of a variance belong to independent numbers"
+        raise InputError(Fault("indices", "true", why, "leave out the correlation, or the indices"))
+    keys = tuple(distributions)
+    uniform = uniform_points(n, len(keys) * (2 if indices else 1), seed)
+    rows = _saltelli_rows(uniform, len(keys)) if indices else uniform
+    columns = points_of(rows, distributions, correlation)
+    design = Design(keys, tuple(map(_text, distributions.values())), int(n), int(seed), bool(indices))
+    if folder is not None:
+        SweepFolder(Path(folder)).describe(design.record)
+    try:
+        found = sweep(
+            case,
+            {key: column.tolist() for key, column in columns.items()},
+            constants=constants,
+            quantities=quantities,
+            fields=fields,
+            executor=executor,
+            workers=workers,
+            folder=folder,
+            members=members,
+            errors=errors,
+            progress=progress,
+        )
+    except SolveError as error:
+        raise SolveError(str(error), Ensemble.of_sweep(error.run, design)) from None
+    return Ensemble.of_sweep(found, design)
+
+
+def _saltelli_rows(uniform: Floats, d: int) -> Floats:
+    """Return for every point its rows A, B and AB_1 ... AB_d, which is A with one column of B ``(n (d + 2), d)``."""
+    a, b = uniform[:, :d], uniform[:, d:]
+    rows = np.repeat(a[:, None, :], d + 2, axis=1)
+    rows[:, 1] = b
+    for i in range(d):
+        rows[:, 2 + i, i] = b[:, i]
+    return rows.reshape(-1, d)
+
+
+def _text(distribution: Any) -> str:
+    """Return a distribution in words, as SciPy calls it."""
+    name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
+    given = [f"{value:g}" for value in getattr(distribution, "args", ()) if np.ndim(value) == 0]
+    more = getattr(distribution, "kwds", {})
+    given += [f"{key}={value:g}" for key, value in more.items() if np.ndim(value) == 0]
+    return f"{name}({', '.join(given)})"

@@ -1,0 +1,1 @@
+"""What identification needs of cases: their numbers by key, their predictions, their laws."""

@@ -1,0 +1,79 @@
+"""Numbers of a case by their keys: read, and set, several at once under one name."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Mapping
+from typing import Any
+
+from viscorod.casefile.case import Case, case_from_dict
+from viscorod.casefile.case_keys import parts_of
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
+
+__all__ = ["case_with", "keys_of", "number_at"]
+
+
+def keys_of(name: str) -> tuple[str, ...]:
+    """Return the keys of a parameter: "a, b" are two numbers of a case that are equal."""
+    return tuple(key.strip() for key in name.split(",") if key.strip())
+
+
+def case_with(case: Case, values: Mapping[str, float]) -> Case:
+    """Return a case with other values; keys that it does not have are left out.
+
+    Raises:
+        InputError: the case refuses a value.
+    """
+    content = copy.deepcopy(dict(case.content))
+    for name, value in values.items():
+        for key in keys_of(name):
+            place, last = _place(content, key)
+            if place is not None:
+                place[last] = value
+    return case_from_dict({"title": case.title, **content}, case.source)
+
+
+def number_at(case: Case, name: str) -> float | None:
+    """Return the number that a case has at a key; None where it has none.
+
+    Raises:
+        InputError: there is something else.
+    """
+    for key in keys_of(name):
+        place, last = _place(case.content, key)
+        if place is None:
+            continue
+        try:
+            value = place[last]
+        except (KeyError, IndexError):
+            return None
+        if isinstance(value, str):  # a quantity with a unit: what it is in SI the case says
+            found = [one for one in case.conversions if one.where == key]
+            value = found[0].value if found else value
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise InputError(
+                Fault(key, show(value), "this is not one number", "name one, as in loads[0].value[1]")
+            )
+        return float(value)
+    return None
+
+
+def _place(content: Any, key: str) -> tuple[Any, Any]:
+    """Return the table or list that holds a key, and the last part of it; None where there is none."""
+    parts = parts_of(key)
+    place = content
+    for part in parts[:-1]:
+        if isinstance(part, int):
+            if not isinstance(place, list | tuple) or part >= len(place):
+                return None, None
+        elif not isinstance(place, Mapping) or part not in place:
+            return None, None
+        place = place[part]
+    last = parts[-1]
+    if isinstance(last, int):
+        if not isinstance(place, list) or last >= len(place):
+            return None, None
+    elif not isinstance(place, Mapping) or (len(parts) == 2 and last not in place):
+        return None, None
+    return place, last

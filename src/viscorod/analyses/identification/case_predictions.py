@@ -1,0 +1,78 @@
+"""What cases say of records, by the unknowns, and the derivatives of that."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from viscorod.analyses.identification.members import Member
+from viscorod.solve.estimation.unknowns import Unknown
+from viscorod.typing import Floats
+
+__all__ = ["CasePredictions"]
+
+STEP = 1e-3
+"""Part of a number (or of its scale) by which it is changed to either side for a difference."""
+ACCURACY = 1e-4
+"""Relative error of derivatives by differences: steps err by 1e-5 of the model, alike on both sides."""
+ONE_SIDED = 3e-4
+"""The same of differences to one side, by which a search is led; they err by some 1e-3."""
+
+
+class CasePredictions:
+    """Predictions of all records by all unknowns, and of what was believed beforehand.
+
+    Derivatives by numbers of a case are central differences of results on one mesh; those by numbers of a
+    measurement need no further result.
+    """
+
+    accuracy = ACCURACY
+
+    def __init__(
+        self, members: Sequence[Member], unknowns: Sequence[Unknown], believed: Sequence[int]
+    ) -> None:
+        self._members, self._unknowns, self._believed = members, unknowns, list(believed)
+
+    def values(self, unknowns: Floats) -> Floats:
+        """See `Predictions`."""
+        named = self._named(unknowns)
+        parts = [self._of_member(member, named) for member in self._members]
+        return np.concatenate([*parts, unknowns[self._believed]])
+
+    def jacobian(self, unknowns: Floats, *, rough: bool = False) -> Floats:
+        """See `Predictions`."""
+        blocks = [self._slopes(member, unknowns, rough=rough) for member in self._members]
+        return np.concatenate([*blocks, np.eye(len(unknowns))[self._believed]])
+
+    def _named(self, unknowns: Floats) -> dict[str, float]:
+        return {one.name: float(value) for one, value in zip(self._unknowns, unknowns, strict=True)}
+
+    def _of_member(self, member: Member, named: Mapping[str, float]) -> Floats:
+        result = member.result(member.numbers(named))
+        return np.concatenate([record.predicted(result, named) for record in member.records])
+
+    def _slopes(self, member: Member, unknowns: Floats, *, rough: bool) -> Floats:
+        named = self._named(unknowns)
+        result = member.result(member.numbers(named))
+        own = [record.by_nuisances(result, named) for record in member.records]
+        here = np.concatenate([record.predicted(result, named) for record in member.records])
+        sizes = [len(record.observed) for record in member.records]
+        out = np.zeros((sum(sizes), len(unknowns)))
+        for k, one in enumerate(self._unknowns):
+            if member.key_of(one.name) is not None:
+                step = (ONE_SIDED if rough else STEP) * (abs(unknowns[k]) if one.logarithmic else one.scale)
+                if rough and unknowns[k] + step > one.high:
+                    step = -step
+                high = unknowns[k] + step if rough else min(unknowns[k] + step, one.high)
+                low = unknowns[k] if rough else max(unknowns[k] - step, one.low)
+                above = self._of_member(member, {**named, one.name: high})
+                below = here if rough else self._of_member(member, {**named, one.name: low})
+                out[:, k] = (above - below) / (high - low)
+            else:
+                begin = 0
+                for slopes, size in zip(own, sizes, strict=True):
+                    if one.name in slopes:
+                        out[begin : begin + size, k] = slopes[one.name]
+                    begin += size
+        return out

@@ -1,0 +1,103 @@
+"""The fitted damping in the numbers of other programs, with intervals."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy import stats
+
+from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.identification.named_combinations import Combination, complex_modulus
+from viscorod.casefile.case import Case
+from viscorod.errors import InputError
+from viscorod.model.materials.material import KelvinVoigt, Material
+from viscorod.programs.inputs import PROGRAMS, SectionData
+from viscorod.solve.estimation.intervals import Covariance
+from viscorod.solve.estimation.unknowns import Unknowns
+from viscorod.typing import Floats
+
+__all__ = ["in_programs"]
+
+STEP = 1e-4
+SEGMENTS = 20
+"""Rigid segments into which a rod is divided for programs that have such."""
+
+
+def in_programs(
+    case: Case, unknowns: Unknowns, z: Floats, known: Covariance, frequencies: Sequence[float], level: float
+) -> tuple[list[Combination], list[str]]:
+    """Return the damping inputs of other programs for the first rod of a case, and sentences on what was done for them.
+
+    Maxwell branches, which other programs do not have, are replaced by the one time that has the same loss factor
+    at the frequency of the record.
+    """
+    mine = [k for k, one in enumerate(unknowns) if number_at(case, one.name) is not None]
+    notes: list[str] = []
+
+    def numbers(at: Floats) -> dict[str, float]:
+        values = unknowns.values(at)
+        changed = case_with(case, {unknowns[k].name: float(values[k]) for k in mine})
+        return _numbers(changed, frequencies, notes)
+
+    centre = numbers(z)
+    told_in = list(dict.fromkeys(notes))
+    slopes = {name: np.zeros(len(z)) for name in centre}
+    for k in mine:
+        step = STEP * np.eye(len(z))[k]
+        above, below = numbers(z + step), numbers(z - step)
+        for name in centre:
+            slopes[name][k] = (above[name] - below[name]) / (2.0 * STEP)
+    out, unknown = [], []
+    for name, value in centre.items():
+        gradient = slopes[name]
+        if not known.told(gradient) and np.linalg.norm(gradient) > 1e-9 * abs(value):
+            unknown.append(name)
+            continue
+        reach = float(stats.t.ppf(0.5 + level / 2.0, known.freedom_of(gradient))) * known.deviation(gradient)
+        out.append(Combination(name, "", value, value - reach, value + reach, tuple(gradient.tolist())))
+    if unknown:
+        told_in.append(f"The data do not tell these inputs of other programs: {', '.join(unknown)}.")
+    return out, told_in
+
+
+def _numbers(case: Case, frequencies: Sequence[float], notes: list[str]) -> dict[str, float]:
+    name, rod = next(iter(case.description.rods.items()))
+    hertz = frequencies[0] if frequencies else None
+    if isinstance(rod.material, Material) and rod.material.branches:
+        if hertz is None:
+            return {}
+        modulus = complex_modulus(rod.material, hertz)
+        tau = modulus.imag / modulus.real / (2.0 * np.pi * hertz)
+        rod = rod.model_copy(
+            update={
+                "material": Material(
+                    modulus.real,
+                    rod.material.poissons_ratio,
+                    rod.material.density,
+                    damping=KelvinVoigt(tau, tau),
+                )
+            }
+        )
+        notes.append(
+            f"Other programs have no Maxwell branches: their numbers have the loss factor of {name} at {hertz:.4g} Hz, "
+            "and are wrong elsewhere."
+        )
+    try:
+        data = SectionData.of(rod)
+    except InputError:
+        return {}
+    if not np.any(data.damping):
+        return {}
+    found = {}
+    options = {"segment_length": rod.length / SEGMENTS, "frequency": hertz}
+    for program in PROGRAMS.values():
+        given = {key: value for key, value in options.items() if key in program.options and value is not None}
+        try:
+            inputs = program.from_section(data, **given)
+        except InputError:
+            continue
+        about = f" ({SEGMENTS} segments)" if "segment_length" in given else ""
+        for word, value in zip(inputs.words, inputs.numbers, strict=False):
+            found[f"{program.title}{about}: {word}"] = float(value)
+    return found

@@ -1,0 +1,234 @@
+"""Laws of damping compared on the same data: by criteria of information, and by records that were left out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.identification.law_words import variant
+from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.sought import Range
+from viscorod.analyses.identification.told import dominant_frequencies, number_text
+from viscorod.casefile.case import Case
+from viscorod.errors import InputError, SolveError
+from viscorod.solve.estimation.information import criteria
+from viscorod.solve.estimation.least_squares import leverage
+from viscorod.solve.estimation.noise import Noise, noise_of
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.analyses.identify import Fitted
+
+__all__ = ["Compared", "compared_laws"]
+
+Pairs = Sequence[tuple[Case, Any]]
+Fit = Callable[..., "Fitted"]
+
+EXCLUDED, ALIKE = 10.0, 4.0
+"""Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+
+
+@dataclass(frozen=True, eq=False)
+class Compared:
+    """Laws on the same data, the best first: columns of the data set, and sentences."""
+
+    columns: dict[str, Floats]
+    words: list[list[str]]
+    sentences: list[str]
+
+
+@dataclass(frozen=True, eq=False)
+class _One:
+    name: str
+    found: Fitted
+    prediction: Fitted | None
+
+    @property
+    def likelihood(self) -> float:
+        """What is least for the best: the sum of n log of the mean square of every series."""
+        best = self.found.estimate
+        return sum(
+            one.count
+            * float(np.log(max(float(np.mean((best.residuals[one.rows] / one.noise) ** 2)), 1e-300)))
+            for one in best.noise.series
+            if not one.certain
+        )
+
+
+def compared_laws(
+    fit: Fit,
+    pairs: Pairs,
+    parameters: Mapping[str, Range],
+    nuisances: Mapping[str, Range],
+    laws: Sequence[str],
+    left_out: Pairs = (),
+    report: Callable[[str], None] | None = None,
+) -> Compared:
+    """Fit several laws to the same records, and predict others with them.
+
+    Every law has the same other parameters; those of the damping of the material are exchanged for its own. Sums
+    of squares are in units of the noise that the best law leaves; its autocorrelation gives the effective number
+    of values.
+
+    Args:
+        fit: `analyses.identify.fitted`.
+        pairs, parameters, nuisances: of the identification.
+        laws: words, see `law_words`.
+        left_out: cases with records that are not fitted, but predicted; numbers of their measurement are fitted.
+        report: called with a sentence after every law.
+
+    Raises:
+        InputError: a word is not known, or a case does not fit it.
+    """
+    hertz = _frequency(pairs)
+    done = []
+    for name in laws:
+        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz)
+        if isinstance(one, str):
+            if report is not None:
+                report(f"law {name}: {one}")
+            continue
+        done.append(one)
+        if report is not None:
+            report(f"law {name}: fitted")
+    if not done:
+        raise SolveError("no law could be fitted", None)
+    best = min(done, key=lambda one: one.likelihood)
+    noise = _noise(best.found)
+    count = noise.effective_count
+    squares = {one.name: _square(noise, one.found) for one in done}
+    merits = {
+        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series))
+        for one in done
+    }
+    done.sort(key=lambda one: merits[one.name][0])
+    names = [one.name for one in done]
+    aicc, bic = (np.array([merits[name][k] for name in names]) for k in (0, 1))
+    columns: dict[str, Floats] = {
+        "law_unknowns": np.array([float(len(one.found.unknowns)) for one in done]),
+        "law_square": np.array([squares[name] for name in names]),
+        "law_aicc": aicc - aicc.min(),
+        "law_bic": bic - bic.min(),
+        "law_prediction": np.array(
+            [_error(one.prediction) if one.prediction is not None else 0.0 for one in done]
+        ),
+    }
+    words = [[one.name, _values(one.found)] for one in done]
+    return Compared(columns, words, _sentences(names, columns, count))
+
+
+def _fitted(
+    fit: Fit,
+    pairs: Pairs,
+    parameters: Mapping[str, Range],
+    nuisances: Mapping[str, Range],
+    name: str,
+    left_out: Pairs,
+    hertz: float,
+) -> _One | str:
+    changed, own = _variants(pairs, name, hertz)
+    damping = tuple(f"materials.{material}.damping" for material in changed[0][0].content["materials"])
+    kept = {
+        key: value
+        for key, value in parameters.items()
+        if not key.startswith(damping) and any(number_at(case, key) is not None for case, _ in changed)
+    }
+    try:
+        found = fit(changed, {**kept, **own}, nuisances, coloured=False)
+        prediction = None
+        if left_out:
+            others, _ = _variants(left_out, name, hertz)
+            shared = {key: value for key, value in found.named.items() if key in kept or key in own}
+            known = [case_with(case, shared) for case, _ in others]
+            again = {id(case): new for (case, _), new in zip(others, known, strict=True)}
+            held = [(again[id(case)], record) for case, record in others]
+            prediction = fit(held, {}, nuisances, coloured=False, only_nuisances=True)
+    except SolveError as error:
+        return str(error)
+    return _One(name, found, prediction)
+
+
+def _variants(pairs: Pairs, name: str, hertz: float) -> tuple[list[tuple[Case, Any]], dict[str, Range]]:
+    """Return the pairs with another law; pairs of one case share the new one."""
+    made: dict[int, tuple[Case, dict[str, Range]]] = {}
+    for case, _ in pairs:
+        if id(case) not in made:
+            made[id(case)] = variant(case, name, hertz)
+    own: dict[str, Range] = {}
+    for _, sought in made.values():
+        own |= sought
+    return [(made[id(case)][0], record) for case, record in pairs], own
+
+
+def _frequency(pairs: Pairs) -> float:
+    found = [hertz for listed in dominant_frequencies(members_of(pairs)) for hertz in listed]
+    if not found:
+        raise InputError(
+            "laws: the records show no frequency at which damping could be compared; give histories or modes"
+        )
+    return float(np.exp(np.mean(np.log(found))))
+
+
+def _noise(found: Fitted) -> Noise:
+    best = found.estimate
+    used = leverage(best.whitened_slopes)
+    return noise_of(best.noise.series, best.residuals, used)
+
+
+def _square(noise: Noise, found: Fitted) -> float:
+    residual = found.estimate.residuals
+    return float(
+        sum(
+            np.sum((residual[series.rows] / (one.factor * series.noise)) ** 2)
+            for series, one in zip(noise.series, noise.found, strict=True)
+        )
+    )
+
+
+def _error(predicted: Fitted) -> float:
+    """Return the root mean square error of records left out over the noise of them, or of those that were fitted."""
+    best = predicted.estimate
+    parts = []
+    for series in best.noise.series:
+        if series.certain:
+            continue
+        parts.append(best.residuals[series.rows] / series.noise)
+    return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
+
+
+def _values(found: Fitted) -> str:
+    known = found.known
+    texts = []
+    for k, one in enumerate(found.unknowns):
+        if one.nuisance:
+            continue
+        value = float(found.estimate.values[k])
+        size = 1.96 * float(known.deviations[k]) * (value if one.logarithmic else one.scale)
+        short = one.name.split(",")[0].split(".", 2)[-1]
+        told = known.told(np.eye(len(found.unknowns))[k])
+        texts.append(
+            f"{short} {number_text(value, value - size, value + size)}" if told else f"{short} not told"
+        )
+    return "; ".join(texts)
+
+
+def _sentences(names: Sequence[str], columns: Mapping[str, Floats], count: float) -> list[str]:
+    aicc, errors = columns["law_aicc"], columns["law_prediction"]
+    out = []
+    excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
+    alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
+    few = f" ({count:.0f} effective values)"
+    if excluded:
+        out.append(f"Excluded by these data{few}: {', '.join(excluded)}.")
+    if len(alike) > 1:
+        out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
+    else:
+        out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
+    if errors.any():
+        first = int(np.argmin(errors))
+        out.append(f"Of what was left out {names[first]} predicts best.")
+    return out

@@ -1,0 +1,173 @@
+"""One case of an identification: its records, its mesh, and the analysis that they are compared with."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.analyses.case_run import discretised_case, run_case
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import equilibrium
+from viscorod.analyses.frequency_response import frequency_response
+from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.modes import modes
+from viscorod.analyses.motion import motion
+from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.analyses.path import equilibrium_path
+from viscorod.analyses.steady import steady_rotation
+from viscorod.casefile.case import Case
+from viscorod.errors import Fault, InputError, last_warnings
+from viscorod.solve.problem.division import Division, Divisions
+from viscorod.solve.refinement.mesh_watch import MeshWatch
+from viscorod.solve.settings.modes import ModesSettings
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
+from viscorod.solve.settings.steady import SteadySettings
+
+if TYPE_CHECKING:
+    from viscorod.results.any_result import AnyResult
+
+__all__ = ["Member", "earliest_release", "members_of"]
+
+ON_MESH: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
+    SimulateSettings: motion,
+    EquilibriumSettings: equilibrium,
+    PathSettings: equilibrium_path,
+    SteadySettings: steady_rotation,
+    ModesSettings: modes,
+    ResponseSettings: frequency_response,
+}
+"""The analyses that records are compared with, on a mesh that stays as it is."""
+STEPS = 1e-5
+"""What steps of motions may err by over the size of the model, unless the case says; differences need it."""
+BEFORE = 0.1
+"""Part of a record by which its release may be sought before where it starts."""
+
+
+class Unwatched(MeshWatch):
+    """Estimates nothing: meshes stay as they are, and estimating takes as long as a motion."""
+
+    @property
+    def feasible(self) -> bool:
+        """No."""
+        return False
+
+
+@dataclass
+class Member:
+    """One case with the records that it has to predict.
+
+    Attributes:
+        case: at the start; records: that are compared with its result.
+        divisions: of the rods; found once, with the first result, and kept.
+    """
+
+    case: Case
+    records: list[Any]
+    divisions: Divisions | None = None
+    _last: tuple[tuple[tuple[str, float], ...], AnyResult] | None = field(default=None, repr=False)
+
+    def __post_init__(self) -> None:
+        if type(self.case.settings) not in ON_MESH:
+            words = "simulate, equilibrium, path, steady, modes or response"
+            raise InputError(
+                Fault("case", self.case.kind, "records are not compared with this", f"use {words}")
+            )
+        self.case = replace(self.case, settings=self._settled())
+
+    @cached_property
+    def own(self) -> dict[str, str]:
+        """Unknowns of the records that are numbers of this case alone, by full name: their keys."""
+        return {
+            full: one.key
+            for record in self.records
+            for full, one in record.nuisances.items()
+            if one.key is not None
+        }
+
+    def key_of(self, name: str) -> str | None:
+        """Return the key (or several that are equal) of an unknown in this case; None if it is none of its numbers."""
+        key = self.own.get(name, name)
+        return key if number_at(self.case, key) is not None else None
+
+    def numbers(self, named: Mapping[str, float]) -> dict[str, float]:
+        """Return by key those of several unknowns that are numbers of this case."""
+        return {key: value for name, value in named.items() if (key := self.key_of(name)) is not None}
+
+    def result(self, values: Mapping[str, float]) -> AnyResult:
+        """Return the result of the case with these numbers; the last one is kept.
+
+        Raises:
+            InputError: the case refuses a number. SolveError: it cannot be solved.
+        """
+        key = tuple(values.items())
+        if self._last is None or self._last[0] != key:
+            case = replace(case_with(self.case, values), settings=self.case.settings)
+            self._last = key, self._computed(case)
+        return self._last[1]
+
+    def _computed(self, case: Case) -> AnyResult:
+        with last_warnings() as kept:
+            if self.divisions is None:
+                self.divisions = self._chosen(case)
+            discrete = discretised_case(case)
+            if self.divisions:
+                discrete = discrete.on_mesh(self.divisions)
+            watch = Unwatched(discrete.model, discrete.problem, discrete.system)
+            with one_blas_thread():
+                result = ON_MESH[type(case.settings)](replace(discrete, watch=watch), case.settings)
+            kept.clear()  # a fit passes through many; the result keeps those of the last
+        return result
+
+    def _chosen(self, case: Case) -> Divisions:
+        """Return the mesh that the program chooses for the case; none where all rods have their elements given."""
+        if all(rod.elements is not None for rod in case.description.rods.values()):
+            return {}
+        stored = json.loads(str(run_case(case).data.attrs.get("divisions", "{}")))
+        return {name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()}
+
+    def _settled(self) -> Any:
+        """Return the settings with steps that are fine enough for differences, long enough for all records."""
+        settings = self.case.settings
+        if not isinstance(settings, SimulateSettings):
+            return settings
+        changes: dict[str, Any] = {}
+        if settings.tolerance is None and settings.integrator == "radau":
+            changes["tolerance"] = STEPS
+        needed = max((_last_time(record) for record in self.records), default=0.0)
+        if needed > settings.duration:
+            changes["duration"] = needed
+        return settings.model_copy(update=changes) if changes else settings
+
+
+def _last_time(record: Any) -> float:
+    """Return the time of the motion at which the last sample may be."""
+    times = getattr(record, "times", None)
+    if times is None:
+        return 0.0
+    last, span = float(times[-1]), float(times[-1] - times[0])
+    release = [one for one in record.nuisances.values() if one.name == "release_time"]
+    return last - earliest_release(release[0], span) if release else last
+
+
+def earliest_release(release: Any, span: float) -> float:
+    """Return the earliest time at which a motion may have been released."""
+    return float(max(release.low, release.start - BEFORE * span))
+
+
+def members_of(pairs: Sequence[tuple[Case, Any]]) -> list[Member]:
+    """Return the cases with their records; records of one case share its result."""
+    found: list[tuple[Case, list[Any]]] = []
+    for case, record in pairs:
+        known = next((records for other, records in found if other is case), None)
+        if known is None:
+            known = []
+            found.append((case, known))
+        known += list(record) if isinstance(record, list | tuple) else [record]
+    return [Member(case, records) for case, records in found]

@@ -1,0 +1,150 @@
+"""What a fit says in words: which unknowns it cannot tell apart, and what the residuals show."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from viscorod.analyses.identification.members import Member
+from viscorod.analyses.identification.named_combinations import Combination
+from viscorod.solve.estimation.intervals import Covariance, Interval
+from viscorod.solve.estimation.least_squares import Estimate
+from viscorod.solve.estimation.noise import ljung_box
+from viscorod.typing import Floats
+
+__all__ = ["at_signal", "dominant_frequencies", "number_text", "sentences_of", "whiteness"]
+
+CORRELATED = 0.01
+"""Probability of such an autocorrelation below which residuals are called correlated."""
+LARGER = 2.0
+"""Times the noise that was told by which residuals must be larger to be called a miss of the model."""
+PARTS = 0.15
+"""Part of an unknown in a direction from which on it is named."""
+SIGNAL, MISSED = 0.25, 0.2
+"""Relative width of the band about the frequency of a record, and the part of the residuals' power there, above
+what noise of its colour would have, from which on the model misses part of the motion."""
+
+
+def dominant_frequencies(members: Sequence[Member]) -> list[list[float]]:
+    """Return the frequencies at which the records of every case move, Hz, at most three."""
+    found = []
+    for member in members:
+        hertz: list[float] = []
+        for record in member.records:
+            if record.analysis == "modes":
+                hertz += np.asarray(record.frequencies, dtype=float).tolist()
+            elif getattr(record, "interval", None) is not None:
+                hertz += [_peak(np.asarray(record.observed), record.interval)]
+        unlike: list[float] = []
+        for one in hertz:
+            if one > 0.0 and all(abs(one / other - 1.0) > 0.05 for other in unlike):
+                unlike.append(one)
+        found.append(unlike[:3])
+    return found
+
+
+def _peak(values: Floats, interval: float) -> float:
+    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)), 8 * len(values))) ** 2
+    return float(np.argmax(power) / (8 * len(values) * interval))
+
+
+def whiteness(best: Estimate, white: Floats) -> list[float]:
+    """Return of every series the probability of such an autocorrelation of its raw residuals; 1 where it has none."""
+    del white
+    found = []
+    for series in best.noise.series:
+        part = (best.measured - best.predicted)[series.rows] / series.noise
+        found.append(ljung_box(part)[1] if series.regular and series.count >= 20 else 1.0)
+    return found
+
+
+def at_signal(best: Estimate) -> list[float]:
+    """Return of every regular series the part of the residuals' power that lies at the frequency of the record."""
+    found = []
+    for series in best.noise.series:
+        if not series.regular or series.count < 20:
+            found.append(0.0)
+            continue
+        measured, residual = best.measured[series.rows], best.residuals[series.rows]
+        window = np.hanning(series.count)
+        signal, left = (np.abs(np.fft.rfft((x - x.mean()) * window)) ** 2 for x in (measured, residual))
+        signal[0] = 0.0
+        top = int(np.argmax(signal))
+        reach = max(int(np.ceil(SIGNAL * top)), 2)
+        band = slice(max(top - reach, 1), top + reach + 1)
+        found.append(float(left[band].sum() / max(left[1:].sum(), 1e-300)))
+    return found
+
+
+def sentences_of(
+    best: Estimate, known: Covariance, limits: Sequence[Interval], told: Sequence[Combination]
+) -> list[str]:
+    """Return what the fit says in words, what matters most first."""
+    names = best.unknowns.names
+    found = []
+    for direction in known.unseen:
+        parts = [names[k] for k in np.argsort(-np.abs(direction)) if abs(direction[k]) > PARTS]
+        if len(parts) == 1:
+            found.append(f"The data do not tell {parts[0]}: the predictions hardly depend on it.")
+            continue
+        mine = [names.index(part) for part in parts]
+        better = [one for one in told if sum(abs(one.powers[k]) > 1e-3 for k in mine) > 1]
+        tells = "; ".join(
+            f"the {one.name} can: {number_text(one.value, one.low, one.high, one.unit)}" for one in better[:3]
+        )
+        joined = " and ".join([", ".join(parts[:-1]), parts[-1]])
+        found.append(f"{joined} cannot be separated{'; ' + tells if tells else ''}.")
+    bounds = best.unknowns.bounds
+    for k, (unknown, limit) in enumerate(zip(best.unknowns, limits, strict=True)):
+        low, high = bounds[0][k], bounds[1][k]
+        if np.isfinite(high - low) and min(best.z[k] - low, high - best.z[k]) < 1e-6 * (high - low):
+            end = unknown.low if best.z[k] - low < high - best.z[k] else unknown.high
+            found.append(f"{unknown.name} is at its bound {end:.6g}: the data want it beyond.")
+        elif not limit.told and known.told(np.eye(len(names))[k]):
+            open_end = "above" if np.isfinite(limit.low) and limit.low > 0.0 else "below"
+            found.append(f"Nothing limits {unknown.name} from {open_end}.")
+    return found + _of_residuals(best)
+
+
+def _of_residuals(best: Estimate) -> list[str]:
+    found = []
+    probabilities = whiteness(best, best.residuals)
+    shares = at_signal(best)
+    for series, noise, probability, share in zip(
+        best.noise.series, best.noise.found, probabilities, shares, strict=True
+    ):
+        if series.certain:
+            continue
+        larger = series.told and noise.factor > LARGER
+        level = f"{noise.factor:.3g} times the noise that was told" if larger else ""
+        if probability < CORRELATED:
+            text = (
+                f"What is left of {series.label} is correlated in time (p = {probability:.1g} if it were not)"
+            )
+            if share > MISSED or larger:
+                text += f", {100.0 * share:.0f} % of its power at the frequency of the record"
+                text += f" and {level}" if larger else ""
+                text += ": the model misses part of the motion. The intervals allow for it as if it were noise; they "
+                text += "do not hold for what the model leaves out."
+            else:
+                text += "; the intervals allow for it."
+            found.append(text)
+        elif larger:
+            found.append(
+                f"What is left of {series.label} is {level}: the model misses something, or the noise is larger."
+            )
+    return found
+
+
+def number_text(value: float, low: float, high: float, unit: str = "") -> str:
+    """Return a number with its interval: "0.0204 +- 0.0003 s", or with both ends where they are not alike."""
+    unit = "" if unit in ("", "1") else f" {unit}"
+    if not np.isfinite(low) or not np.isfinite(high):
+        return f"{value:.4g}{unit} ({low:.4g} to {high:.4g})"
+    below, above = value - low, high - value
+    if below > 0.0 and above > 0.0 and 0.8 < above / below < 1.25:
+        half = 0.5 * (below + above)
+        digits = max(0, 1 - int(np.floor(np.log10(half / abs(value))))) if value else 2
+        return f"{value:.{min(max(digits + 1, 3), 10)}g} +- {half:.2g}{unit}"
+    return f"{value:.4g}{unit} ({low:.4g} to {high:.4g})"

@@ -1,0 +1,269 @@
+"""Identification: numbers of cases from records of measurements, with intervals that hold."""
+
+from __future__ import annotations
+
+import json
+import time
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from viscorod.analyses.identification.case_numbers import case_with
+from viscorod.analyses.identification.case_predictions import CasePredictions
+from viscorod.analyses.identification.fit_dataset import fit_dataset
+from viscorod.analyses.identification.in_programs import in_programs
+from viscorod.analyses.identification.laws import compared_laws
+from viscorod.analyses.identification.members import Member, members_of
+from viscorod.analyses.identification.named_combinations import combinations
+from viscorod.analyses.identification.sought import Range, series_of, sought
+from viscorod.analyses.identification.told import dominant_frequencies, sentences_of
+from viscorod.casefile.case import Case
+from viscorod.casefile.toml_text import toml_text
+from viscorod.errors import Fault, InputError, SolveError
+from viscorod.model.fields.definition import show
+from viscorod.results.identification import Identification
+from viscorod.solve.estimation.intervals import Covariance, Interval, covariance, intervals
+from viscorod.solve.estimation.least_squares import Estimate, Scaled, estimate, searched
+from viscorod.solve.estimation.unknowns import Unknowns
+from viscorod.typing import Floats
+
+__all__ = ["Fitted", "fitted", "identify"]
+
+HELD_WITHIN = 1e-9
+"""Distance between bounds, in logarithms, of a number that a profile holds."""
+Pairs = Sequence[tuple[Case, Any]]
+
+
+@dataclass(frozen=True, eq=False)
+class Fitted:
+    """A fit before it is a result: what was fitted, the estimate, what is known of it."""
+
+    members: list[Member]
+    estimate: Estimate
+    known: Covariance
+
+    @property
+    def unknowns(self) -> Unknowns:
+        """The unknowns."""
+        return self.estimate.unknowns
+
+    @property
+    def named(self) -> dict[str, float]:
+        """The fitted numbers by name."""
+        return dict(zip(self.unknowns.names, self.estimate.values.tolist(), strict=True))
+
+    def cases(self) -> list[Case]:
+        """Return the cases with the fitted numbers, settings as they were."""
+        return [case_with(member.case, member.numbers(self.named)) for member in self.members]
+
+
+def identify(
+    case: Case | Pairs,
+    records: Any = None,
+    parameters: Mapping[str, Range] | Sequence[str] = (),
+    nuisances: Mapping[str, Range] | Sequence[str] = (),
+    *,
+    starts: int = 1,
+    robust: bool = False,
+    coloured: bool = True,
+    level: float = 0.95,
+    profile: bool = True,
+    seed: int = 0,
+    laws: Sequence[str] = (),
+    left_out: Pairs = (),
+    report: Callable[[str], None] | None = None,
+) -> Identification:
+    """Find numbers of cases so that they predict what was measured, with intervals.
+
+    The unknowns minimise the sum of squares of measured less predicted values over their noise, which is estimated
+    from what is left; the residuals of regular histories may be correlated in time (an autoregression, feasible
+    generalised least squares). Positive numbers are sought by their logarithms. Rods keep the mesh that they have
+    at the start.
+
+    Args:
+        case: a case whose analysis gives what was measured; or a list of pairs (case, record or records), where several
+            cases share parameters.
+        records: of the one case: a record, or several.
+        parameters: key of a number of the cases -> its start, ``(low, start, high)``, or None for what the case
+            has; or a list of keys. "a, b" are two numbers that are equal. Keys are those of the case file, as in
+            `sweep`.
+        nuisances: the same for numbers that are not wanted but not known either: more keys of the case, or the names of
+            unknowns of records ("tip.release_time", or "release_time" of all records) where another start or
+            bounds than theirs are wanted. Unknowns of records are always fitted.
+        starts: how many starts are tried; those after the first are spread between the bounds, or within a factor of
+            ten.
+        robust: let residuals beyond 1.35 standard deviations count less (Huber).
+        coloured: whether the noise of regular histories may be correlated in time.
+        level: probability of the intervals.
+        profile: check Laplace's intervals by the sum of squares at their ends, and take the profile likelihood
+            where they are skewed.
+        seed: of the further starts.
+        laws: of damping that are compared on the same records, in place of that of the case: "elastic",
+            "kelvin_voigt", "flat_loss" (a loss factor that does not depend on frequency), "branches 2" (Maxwell
+            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss".
+        left_out: pairs of cases and records that are not fitted; laws are compared by how they predict them.
+        report: called with a sentence after every search.
+
+    Returns:
+        The numbers, their intervals, what is left, and what the data cannot tell.
+
+    Raises:
+        InputError: a key, a range or a record is wrong; nothing has been computed.
+        SolveError: no start can be computed.
+    """
+    began = time.perf_counter()
+    if not 0.0 < level < 1.0:
+        raise InputError(Fault("level", show(level), "it lies between 0 and 1", "give 0.95"))
+    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
+        raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
+    pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
+    held = pairs_of(left_out, None) if left_out else []
+    found = fitted(
+        pairs,
+        wanted,
+        other,
+        starts=starts,
+        robust=robust,
+        coloured=coloured,
+        seed=seed,
+        report=report,
+    )
+    limits = _intervals(found, level, profile=profile)
+    cases = found.cases()
+    hertz = dominant_frequencies(found.members)
+    told = [
+        one
+        for case_found, own in zip(cases[:1], hertz[:1], strict=True)
+        for one in combinations(case_found, found.unknowns, found.estimate.z, found.known, own, level)
+    ]
+    programs, no_programs = in_programs(
+        cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
+    )
+    sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
+    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
+    if compared is not None:
+        sentences = [*compared.sentences, *sentences]
+    attrs = {
+        "title": cases[0].title,
+        "level": level,
+        "outcome": "completed",
+        "evaluations": found.estimate.evaluations,
+        "starts": found.estimate.starts,
+        "agreeing_starts": found.estimate.agreeing,
+        "robust": int(robust),
+        "wall_time_s": time.perf_counter() - began,
+        "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
+        "records": json.dumps([record.name for member in found.members for record in member.records]),
+        "sentences": json.dumps(sentences),
+    }
+    return Identification(fit_dataset(found, limits, told, programs, attrs, compared))
+
+
+def pairs_of(case: Case | Pairs, records: Any) -> list[tuple[Case, Any]]:
+    """Return the pairs of cases and records.
+
+    Raises:
+        InputError: something else was given.
+    """
+    if isinstance(case, Case):
+        given = list(records) if isinstance(records, list | tuple) else [records]
+        pairs = [(case, record) for record in given]
+    else:
+        if records is not None:
+            raise InputError(Fault("records", "", "pairs of cases and records have theirs", "leave it out"))
+        pairs = [
+            (one, record)
+            for one, several in case
+            for record in (several if isinstance(several, list | tuple) else [several])
+        ]
+    faults = [
+        Fault(f"records[{k}]", show(record), "this is no record", "give a viscorod.Record")
+        for k, (_, record) in enumerate(pairs)
+        if not (hasattr(record, "observed") and hasattr(record, "predicted"))
+    ]
+    faults += [
+        Fault(f"cases[{k}]", show(one), "this is no case", "give what viscorod.load_case returns")
+        for k, (one, _) in enumerate(pairs)
+        if not isinstance(one, Case)
+    ]
+    if not pairs:
+        faults.append(Fault("records", "", "there is none", "give at least one"))
+    names = [getattr(record, "name", "") for _, record in pairs]
+    faults += [
+        Fault(f"records[{k}].name", show(name), "another record has this name", "give each its own name")
+        for k, name in enumerate(names)
+        if name in names[:k]
+    ]
+    if faults:
+        raise InputError(faults)
+    return pairs
+
+
+def as_ranges(given: Mapping[str, Range] | Sequence[str]) -> dict[str, Range]:
+    """Return the keys with what is said of them."""
+    if isinstance(given, Mapping):
+        return {str(key): value for key, value in given.items()}
+    return dict.fromkeys([given] if isinstance(given, str) else map(str, given))
+
+
+def fitted(
+    pairs: Sequence[tuple[Case, Any]],
+    parameters: Mapping[str, Range],
+    nuisances: Mapping[str, Range],
+    *,
+    starts: int = 1,
+    robust: bool = False,
+    coloured: bool = True,
+    seed: int = 0,
+    report: Callable[[str], None] | None = None,
+    only_nuisances: bool = False,
+) -> Fitted:
+    """Fit, and return what `identify` makes a result of; with ``only_nuisances`` there may be no parameters."""
+    members = members_of(pairs)
+    unknowns, beliefs = sought(members, parameters, nuisances, free=only_nuisances)
+    measured, series = series_of(members, unknowns, beliefs)
+    if len(measured) <= len(unknowns):
+        found = f"{len(measured)} values for {len(unknowns)} unknowns"
+        raise InputError(Fault("records", found, "there must be more values", "measure more, or seek less"))
+    predictions = CasePredictions(members, unknowns, [number for number, *_ in beliefs])
+    best = estimate(
+        predictions,
+        measured,
+        series,
+        unknowns,
+        starts=starts,
+        robust=robust,
+        coloured=coloured,
+        seed=seed,
+        report=report,
+    )
+    return Fitted(members, best, covariance(best))
+
+
+def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
+    best, unknowns = found.estimate, found.unknowns
+    beliefs = [row for row, one in enumerate(best.noise.series) if one.certain]
+    numbers = [
+        unknowns.names.index(best.noise.series[row].label.removesuffix(" beforehand")) for row in beliefs
+    ]
+    scaled = Scaled(CasePredictions(found.members, unknowns, numbers), unknowns)
+
+    def square(z: Floats) -> float:
+        white = best.noise.whitened(best.measured - scaled.values(z))
+        return float(white @ white)
+
+    def profiled(k: int, value: float, start: Floats) -> tuple[float, Floats]:
+        low, high = (bound.copy() for bound in unknowns.bounds)
+        low[k], high[k] = value - HELD_WITHIN, value + HELD_WITHIN
+        begin = np.where(np.arange(len(start)) == k, value, start)
+        z = searched(scaled, best.measured, best.noise, (low, high), begin, unknowns.start)
+        return square(z), z
+
+    if not profile:
+        return intervals(best, found.known, level)
+    try:
+        return intervals(best, found.known, level, square, profiled)
+    except (SolveError, InputError):  # the model cannot be computed that far away
+        return intervals(best, found.known, level)

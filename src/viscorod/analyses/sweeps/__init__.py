@@ -1,0 +1,1 @@
+"""Parts of sweeps: values of members, members in batches, records on disk."""

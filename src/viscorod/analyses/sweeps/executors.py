@@ -1,0 +1,248 @@
+"""Members of a sweep through any executor of ``concurrent.futures``: threads, processes, Dask, MPI.
+
+A task is a batch of members that takes about a second, so that an engine that hands out a thousand tasks a second has
+no more to do than that. A member's failure is data; what fails here is a task, whose worker was lost: what its batch
+left on disk is taken, and the others are tried again, each by itself.
+"""
+
+from __future__ import annotations
+
+import math
+import os
+import threading
+import time
+from collections import Counter, deque
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from contextlib import contextmanager
+from functools import partial
+from typing import Any, TypeAlias
+
+from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.analyses.sweep_workers import FAILED, TRIES, UNTOUCHED, Found, Work
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
+
+__all__ = ["Recover", "opened", "processes_of", "through"]
+
+Recover: TypeAlias = Callable[[Sequence[int]], Mapping[int, Found]]
+"""Returns what members left on disk before their worker was lost."""
+
+BATCH = 1.0
+"""Seconds that a task takes, about."""
+AHEAD = 2
+"""Tasks per worker that wait or run: one that runs, and one that is there when it ends."""
+_POLL = 0.1
+_KINDS = "give processes:8, threads:2, dask:ADDRESS, or an executor of concurrent.futures"
+
+
+def processes_of(executor: Any, workers: int | None) -> int | None:
+    """Return the number of this machine's processes that are asked for; None if that is not what is.
+
+    Raises:
+        InputError: it is no executor, or both are given.
+    """
+    if workers is not None and (isinstance(workers, bool) or not isinstance(workers, int) or workers < 1):
+        raise InputError(Fault("workers", show(workers), "a whole number of at least 1 is needed", "give 2"))
+    if executor is None:
+        return workers or os.cpu_count() or 1
+    if workers is not None:
+        raise InputError(
+            Fault("workers", str(workers), "an executor has workers of its own", "leave one of them out")
+        )
+    if isinstance(executor, str):
+        kind, _, count = executor.partition(":")
+        if kind == "dask" or (kind == "threads" and _count(count)):
+            return None
+        if kind == "processes" and _count(count):
+            return _count(count)
+    elif isinstance(executor, Executor) or (hasattr(executor, "submit") and hasattr(executor, "shutdown")):
+        return None
+    raise InputError(Fault("executor", show(executor), "this computes nothing", _KINDS))
+
+
+def _count(text: str) -> int | None:
+    if not text:
+        return os.cpu_count() or 1
+    return int(text) if text.isdecimal() and int(text) > 0 else None
+
+
+@contextmanager
+def opened(executor: Any) -> Iterator[Executor]:
+    """Yield the executor of a text, shut down at the end; one that is there already stays as it is.
+
+    Raises:
+        InputError: Dask is not installed, or its scheduler is not there.
+    """
+    if not isinstance(executor, str):
+        yield executor
+        return
+    kind, _, rest = executor.partition(":")
+    if kind == "threads":
+        with one_blas_thread(), ThreadPoolExecutor(_count(rest)) as threads:
+            yield threads
+        return
+    try:
+        from distributed import Client
+    except ImportError:
+        why = "Dask is not installed"
+        raise InputError(Fault("executor", executor, why, "pip install 'viscorod[cluster]'")) from None
+    try:
+        client = Client(rest or None)
+    except OSError as error:
+        why = f"there is no scheduler ({' '.join(str(error).split())[:100]})"
+        raise InputError(Fault("executor", executor, why, "start one with: dask scheduler")) from None
+    with client, client.get_executor() as found:
+        yield found
+
+
+def through(
+    executor: Executor,
+    work: Work,
+    jobs: Sequence[Any],
+    stop: threading.Event,
+    progress: Callable[[float], None] | None,
+    recover: Recover,
+) -> tuple[list[Found], str]:
+    """Return what ``work`` makes of all jobs, and why the executor gave up; empty if it did not.
+
+    Args:
+        executor: whose workers can import this package.
+        work: that can be sent to them.
+        jobs: likewise.
+        stop: set from outside; what has not begun is left out then.
+        progress: called with the number of jobs done.
+        recover: returns what jobs left on disk.
+    """
+    task = _Tasks(executor, work, jobs, stop, recover)
+    try:
+        while len(task.found) < len(jobs):
+            if stop.is_set():
+                task.cancel()
+                if not task.running:
+                    break
+            else:
+                task.submit()
+            task.collect()
+            if progress is not None:
+                progress(float(len(task.found)))
+    except (BrokenExecutor, RuntimeError) as error:  # it broke, or was shut down
+        task.take_from_disk()
+        return task.all(), f"the executor gave up ({type(error).__name__}: {str(error)[:200]})"
+    except BaseException:
+        task.cancel()
+        raise
+    return task.all(), ""
+
+
+class _Tasks:
+    """Batches of members that run, wait, and are done."""
+
+    def __init__(
+        self, executor: Executor, work: Work, jobs: Sequence[Any], stop: threading.Event, recover: Recover
+    ) -> None:
+        self._executor, self._jobs, self._recover = executor, jobs, recover
+        # a thread sees the event itself; other processes end the batch that they are at
+        stopped = stop.is_set if isinstance(executor, ThreadPoolExecutor) else _never
+        self._batch = partial(_compute_batch, work, stopped)
+        self.found: dict[int, Found] = {}
+        self.running: dict[Future[Any], list[int]] = {}
+        self._waiting, self._apart = deque(range(len(jobs))), deque[int]()
+        self._tries = Counter[int]()
+        self._slots = _workers_of(executor)
+        self._seconds, self._done = 0.0, 0
+
+    def submit(self) -> None:
+        """Hand out as many batches as keep all workers busy."""
+        while len(self.running) < AHEAD * self._slots and (self._apart or self._waiting):
+            if self._apart:
+                batch = [self._apart.popleft()]
+            else:
+                batch = [self._waiting.popleft() for _ in range(min(self._size, len(self._waiting)))]
+            try:
+                future = self._executor.submit(self._batch, [self._jobs[k] for k in batch])
+            except BaseException:
+                self._waiting.extendleft(batch)
+                raise
+            self.running[future] = batch
+
+    @property
+    def _size(self) -> int:
+        if not self._done:
+            return 1
+        worth = math.ceil(BATCH * self._done / max(self._seconds, 1e-9))
+        return max(1, min(worth, len(self._waiting) // (AHEAD * self._slots)))
+
+    def collect(self) -> None:
+        """Take what is done, or wait a little for it."""
+        done, _ = wait(self.running, timeout=_POLL, return_when=FIRST_COMPLETED)
+        for future in done:
+            batch = self.running[future]
+            if future.cancelled():
+                del self.running[future]
+                continue
+            try:
+                seconds, results = future.result()
+            except BrokenExecutor:
+                raise
+            except Exception as error:  # a worker was lost, or what it sent cannot be read
+                self._lost(batch, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}")
+            else:
+                self.found |= dict(zip(batch, results, strict=True))
+                self._seconds, self._done = self._seconds + seconds, self._done + len(batch)
+            del self.running[future]
+
+    def _lost(self, batch: Sequence[int], why: str) -> None:
+        self.found |= self._recover(batch)
+        for member in batch:
+            if member in self.found:
+                continue
+            self._tries[member] += 1
+            if self._tries[member] < TRIES:
+                self._apart.append(member)
+            else:
+                self.found[member] = None, f"its worker was lost {TRIES} times ({why})", FAILED
+
+    def cancel(self) -> None:
+        """Take back what has not begun."""
+        self._waiting.clear()
+        self._apart.clear()
+        for future in list(self.running):
+            if future.cancel():
+                del self.running[future]
+
+    def take_from_disk(self) -> None:
+        """Take what members left on disk that were under way."""
+        self.found |= self._recover([k for batch in self.running.values() for k in batch])
+        self.running.clear()
+
+    def all(self) -> list[Found]:
+        """Return what is known of all members."""
+        return [self.found.get(k, UNTOUCHED) for k in range(len(self._jobs))]
+
+
+def _never() -> bool:
+    return False
+
+
+def _nowhere(_part: float) -> None:
+    return
+
+
+def _compute_batch(work: Work, stopped: Callable[[], bool], jobs: Sequence[Any]) -> tuple[float, list[Found]]:
+    """Compute a batch of members where a worker is; returns the time [s] it took, and what was found."""
+    began = time.perf_counter()
+    results = [UNTOUCHED if stopped() else work(job, _nowhere, stopped) for job in jobs]
+    return time.perf_counter() - began, results
+
+
+def _workers_of(executor: Any) -> int:
+    """Return how many workers an executor has, as far as it tells."""
+    for name in ("num_workers", "_max_workers"):
+        count = getattr(executor, name, None)
+        if isinstance(count, int) and count > 0:
+            return count
+    client = getattr(executor, "_client", None)
+    if client is not None:
+        return max(1, sum(map(int, client.nthreads().values())))
+    return os.cpu_count() or 1

@@ -1,0 +1,108 @@
+"""Points of an ensemble: values of uncertain numbers, from Sobol' sequences and their distributions.
+
+Sources: A. B. Owen, "On dropping the first Sobol' point", MCQMC 2020 (scrambled sequences of 2^m points, as in
+``scipy.stats.qmc``); A. Saltelli et al., "Variance based sensitivity analysis of model output", Comput. Phys. Commun.
+181 (2010) 259-270 (the rows A, B and AB).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
+
+if TYPE_CHECKING:
+    from viscorod.typing import Floats
+
+__all__ = ["MOST_POINTS", "points_of", "require_distributions", "uniform_points"]
+
+MOST_POINTS = 1 << 24
+_EDGE = 1e-15  # how near to 0 and 1 a point may come, where unbounded distributions have no value
+_ADVICE = "give a frozen distribution of SciPy, such as scipy.stats.norm(1.0e6, 5.0e4)"
+
+
+def require_distributions(distributions: Any) -> None:
+    """Refuse what are no distributions of continuous numbers.
+
+    Raises:
+        InputError: the first that is none.
+    """
+    if not isinstance(distributions, Mapping) or not distributions:
+        why = "keys of the case file with their distributions are needed here"
+        raise InputError(Fault("distributions", show(distributions), why, _ADVICE))
+    for key, found in distributions.items():
+        quantiles = getattr(found, "ppf", None)
+        if not isinstance(key, str) or not callable(quantiles):
+            raise InputError(Fault(str(key), show(found), "this is no distribution", _ADVICE))
+        middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
+        if middle.shape != (3,) or not np.isfinite(middle).all():
+            why = "its parameters give no numbers, or several"
+            raise InputError(Fault(key, show(found), why, "give parameters that are single numbers"))
+
+
+def uniform_points(n: int, columns: int, seed: int) -> Floats:
+    """Return ``n`` points of a scrambled Sobol' sequence ``(n, columns)``; the first ones are those of a smaller ``n``.
+
+    Raises:
+        InputError: ``n`` is no power of two, or the seed is no whole number.
+    """
+    from scipy.stats import qmc
+
+    if isinstance(n, bool) or not isinstance(n, int | np.integer) or not 2 <= n <= MOST_POINTS or n & (n - 1):
+        near = 1 << max(1, min(24, round(float(np.log2(n))))) if isinstance(n, int | float) and n > 0 else 128
+        why = "Sobol' points are balanced in powers of two only"
+        raise InputError(Fault("n", show(n), why, f"give {near}"))
+    if isinstance(seed, bool) or not isinstance(seed, int | np.integer) or seed < 0:
+        raise InputError(Fault("seed", show(seed), "a whole number from 0 on is needed here", "give 1"))
+    found: Floats = qmc.Sobol(columns, scramble=True, seed=int(seed)).random_base2(int(n).bit_length() - 1)
+    return np.clip(found, _EDGE, 1.0 - _EDGE)
+
+
+def points_of(
+    uniform: Floats, distributions: Mapping[str, Any], correlation: Any = None
+) -> dict[str, Floats]:
+    """Return values of every key ``(points,)`` from uniform points ``(points, keys)``.
+
+    Args:
+        uniform: in the unit cube.
+        distributions: key -> frozen distribution.
+        correlation: of the normal numbers that a Gaussian copula makes the distributions of ``(keys, keys)``.
+
+    Raises:
+        InputError: it is no matrix of correlations.
+    """
+    from scipy.special import ndtr, ndtri
+
+    if correlation is not None:
+        uniform = np.clip(
+            ndtr(ndtri(uniform) @ _factor(correlation, len(distributions)).T), _EDGE, 1.0 - _EDGE
+        )
+    return {
+        key: np.asarray(found.ppf(column), dtype=float)
+        for (key, found), column in zip(distributions.items(), uniform.T, strict=True)
+    }
+
+
+def _factor(correlation: Any, size: int) -> Floats:
+    advice = "give a symmetric matrix with ones on its diagonal, in the order of the distributions"
+    try:
+        matrix = np.asarray(correlation, dtype=float)
+    except (TypeError, ValueError):
+        matrix = np.zeros(0)
+    fits = matrix.shape == (size, size) and np.isfinite(matrix).all()
+    if not fits or not np.allclose(matrix, matrix.T) or not np.allclose(np.diag(matrix), 1.0):
+        why = f"no matrix of the correlations of {size} numbers"
+        raise InputError(Fault("correlation", show(correlation), why, advice))
+    try:
+        factor: Floats = np.linalg.cholesky(matrix)
+    except np.linalg.LinAlgError:
+        raise InputError(
+            Fault(
+                "correlation", "", "no numbers are correlated like this: it is not positive definite", advice
+            )
+        ) from None
+    return factor

@@ -1,0 +1,124 @@
+"""The values of all members of a sweep, from columns, a product, constants, a table or a file of one."""
+
+from __future__ import annotations
+
+import itertools
+import tomllib
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+__all__ = ["Columns", "Row", "Values", "rows_of"]
+
+Row: TypeAlias = dict[str, Any]
+Columns: TypeAlias = Mapping[str, Sequence[Any]]
+if TYPE_CHECKING:
+    Values: TypeAlias = Columns | Sequence[Mapping[str, Any]] | pd.DataFrame | str | Path
+else:
+    Values = Any
+
+_ADVICE = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
+
+
+def rows_of(
+    values: Values | None, grid: Columns | None = None, constants: Mapping[str, Any] | None = None
+) -> list[Row]:
+    """Return the values of every member, plain numbers, texts and lists.
+
+    Args:
+        values: columns that vary together, a list of rows, a table of pandas, or the path of a CSV file.
+        grid: columns of which every combination is taken, beside each row of ``values``; the last varies fastest.
+        constants: key -> value, the same in all members.
+
+    Raises:
+        InputError: they are no values, or a key stands in two of them.
+    """
+    if values is None and grid is None:
+        raise InputError(Fault("values", "", "there is nothing to vary", _ADVICE))
+    rows = [{}] if values is None else _rows(values)
+    crossed = {} if grid is None else _columns(grid)
+    same = {} if constants is None else {str(key): _plain(value) for key, value in constants.items()}
+    keys = [*rows[0], *crossed, *same]
+    for key in keys:
+        if keys.count(key) > 1:
+            why = "the key is given twice, among values, grid and constants"
+            raise InputError(Fault(key, "", why, "leave one of them out"))
+    combinations = [dict(zip(crossed, found, strict=True)) for found in itertools.product(*crossed.values())]
+    rows = [row | combination | same for row in rows for combination in combinations]
+    if not rows or not rows[0]:
+        raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
+    return rows
+
+
+def _rows(values: Any) -> list[Row]:
+    if isinstance(values, str | Path):
+        values = _table(Path(values))
+    if hasattr(values, "to_dict") and hasattr(values, "columns"):
+        values = values.to_dict("records")
+    if isinstance(values, Mapping):
+        columns = _columns(values)
+        lengths = {key: len(column) for key, column in columns.items()}
+        first, count = next(iter(lengths.items()), ("", 0))
+        for key, length in lengths.items():
+            if length != count:
+                found, why = f"{length} values", f"{first} has {count}; they vary together"
+                instead = "give every key one value per member, or every combination with grid"
+                raise InputError(Fault(key, found, why, instead))
+        rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
+    else:
+        if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
+            raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
+        rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
+        for k, row in enumerate(rows):
+            if list(row) != list(rows[0]):
+                found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
+                raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
+    if not rows or not rows[0]:
+        raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
+    return rows
+
+
+def _columns(values: Any) -> dict[str, Sequence[Any]]:
+    if not isinstance(values, Mapping):
+        raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
+    columns = {str(key): _plain(column) for key, column in values.items()}
+    for key, column in columns.items():
+        if not isinstance(column, list | tuple) or not column:
+            raise InputError(Fault(key, show(column), "a list of values is needed here", _ADVICE))
+    return columns
+
+
+def _plain(value: Any) -> Any:
+    return value.tolist() if hasattr(value, "tolist") else value
+
+
+def _table(path: Path) -> pd.DataFrame:
+    """Read a table whose heads are keys; cells in [brackets] are lists as in a case file."""
+    import pandas as pd
+
+    try:
+        table = pd.read_csv(path)
+    except (OSError, ValueError) as error:
+        why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"
+        instead = "give a CSV file whose first line has keys of the case file"
+        raise InputError(Fault("values", str(path), why, instead)) from None
+    gaps = [str(name) for name in table.columns if table[name].isna().any()]
+    if gaps or not len(table):
+        why = f"cells of {', '.join(gaps)} are empty" if gaps else "the table has no rows"
+        raise InputError(Fault("values", str(path), why, "give every member a value of every key"))
+    return table.map(_cell)
+
+
+def _cell(value: Any) -> Any:
+    if isinstance(value, str) and value.lstrip().startswith("["):
+        try:
+            return tomllib.loads(f"value = {value}")["value"]
+        except tomllib.TOMLDecodeError:
+            return value
+    return value

@@ -1,0 +1,102 @@
+"""``viscorod ensemble``: a case computed many times with uncertain values."""
+
+from __future__ import annotations
+
+from contextlib import nullcontext
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from viscorod.cli.files import existing, writable
+from viscorod.cli.key_values import SetValues, drawn, named, part_of, value_of
+from viscorod.cli.options import CaseFile, ResultFolder
+from viscorod.cli.sweep_command import (
+    Errors,
+    ExecutorOption,
+    Members,
+    QuantityOptions,
+    Scheduler,
+    Workers,
+    executor_of,
+)
+from viscorod.cli.terminal import readable_errors
+from viscorod.errors import SolveError
+
+__all__ = ["ensemble"]
+
+
+def ensemble(
+    case: CaseFile,
+    draw: Annotated[
+        list[str],
+        typer.Option(
+            "--draw",
+            metavar="KEY=DISTRIBUTION",
+            help="Key of the case file and its distribution, as SciPy calls it: norm(1e6, 5e4). Repeat it for more.",
+        ),
+    ],
+    quantity: QuantityOptions = None,
+    points: Annotated[int, typer.Option("--points", "-n", help="Number of points, a power of two.")] = 64,
+    seed: Annotated[int, typer.Option("--seed", help="Of the points.")] = 0,
+    indices: Annotated[
+        bool, typer.Option("--indices", help="Compute Sobol' indices: points times (keys + 2) members.")
+    ] = False,
+    values: SetValues = None,
+    output: ResultFolder = None,
+    executor: ExecutorOption = None,
+    scheduler: Scheduler = None,
+    members: Members = None,
+    workers: Workers = None,
+    errors: Errors = None,
+) -> None:
+    """Compute a case with uncertain values: print quantiles and Sobol' indices, write data and pictures."""
+    with readable_errors():
+        from viscorod.analyses.ensemble import ensemble as compute
+        from viscorod.casefile.case import load_case
+        from viscorod.cli.progress import counting
+        from viscorod.errors import InputError
+        from viscorod.results.files.folder_lock import locked
+
+        loaded = load_case(existing(case))
+        folder = writable(output or Path("out") / case.stem)
+        distributions = dict(map(drawn, draw))
+        part = part_of(members)
+        count = points * (len(distributions) + 2 if indices else 1)
+        with nullcontext() if part is not None else locked(folder):
+            try:
+                with counting(max(count, 1), "members") as progress:
+                    result = compute(
+                        loaded,
+                        distributions,
+                        points,
+                        quantities=dict(map(named, quantity or [])),
+                        seed=seed,
+                        indices=indices,
+                        constants=dict(map(value_of, values or [])) or None,
+                        executor=executor_of(executor, scheduler),
+                        workers=workers,
+                        folder=folder / "ensemble",
+                        members=part,
+                        errors=errors,
+                        progress=progress,
+                    )
+            except SolveError as error:
+                typer.echo(f"error: {error}", err=True)
+                result = error.run
+            typer.echo(result.report())
+            written = [folder / "ensemble"]
+            if part is None:
+                table = folder / "ensemble.csv"
+                result.table().to_csv(table)
+                written.append(table)
+                try:
+                    written.append(result.plot(folder / "quantiles.png"))
+                    if indices:
+                        written.append(result.plot_indices(folder / "indices.png"))
+                except InputError as error:  # too few members for a picture are still data
+                    typer.echo(f"no picture: {error}", err=True)
+            typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        left_out = ("not run",) if part is not None else ()
+        if any(member.outcome not in left_out for member in result.failed):
+            raise typer.Exit(1)

@@ -1,0 +1,137 @@
+"""Keys of a case file with values on the command line: ``--set``, ``--grid``, ``--quantity``."""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Annotated, Any
+
+import typer
+
+from viscorod.errors import InputError
+
+__all__ = ["SetValues", "column_of", "drawn", "grid_of", "named", "part_of", "value_of"]
+
+_RANGE = re.compile(r"\s*([^:,\s]+)\s*:\s*([^:,\s]+)\s*:\s*(\d+)\s*")
+_CALL = re.compile(r"\s*([a-z_0-9]+)\s*\(([^()]*)\)\s*")
+SetValues = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--set",
+        metavar="KEY=VALUE",
+        help="Key of the case file and another value: rods.beam.elements=4. Repeat it for more.",
+        show_default=False,
+    ),
+]
+
+
+def column_of(text: str, flag: str = "--set") -> tuple[str, list[Any]]:
+    """Return a key and its values from ``key=1,2,4``; values are written as in a case file.
+
+    Raises:
+        InputError: there is no key, or no value.
+    """
+    key, sign, values = text.partition("=")
+    try:
+        column = tomllib.loads(f"values = [{values}]")["values"]
+    except tomllib.TOMLDecodeError:
+        column = []
+    if not sign or not column:
+        raise InputError(
+            f"{flag} {text}: give a key and values as in a case file, separated by commas, such as "
+            'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
+        )
+    return key.strip(), column
+
+
+def value_of(text: str) -> tuple[str, Any]:
+    """Return a key and its one value.
+
+    Raises:
+        InputError: there is no key, or not one value.
+    """
+    key, column = column_of(text)
+    if len(column) > 1:
+        raise InputError(
+            f"--set {text}: one value is needed here; write a list in [brackets], or compute all with viscorod sweep"
+        )
+    return key, column[0]
+
+
+def grid_of(text: str) -> tuple[str, list[Any]]:
+    """Return a key and its values from ``key=first:last:number`` or ``key=1,2,4``.
+
+    Raises:
+        InputError: it is neither.
+    """
+    key, sign, values = text.partition("=")
+    found = _RANGE.fullmatch(values)
+    if not sign or found is None:
+        return column_of(text, "--grid")
+    try:
+        first, last, count = float(found[1]), float(found[2]), int(found[3])
+    except ValueError:
+        count = 0
+    if count < 2:
+        raise InputError(f"--grid {text}: write KEY=FIRST:LAST:NUMBER with a number of 2 or more")
+    return key.strip(), [(first * (count - 1 - k) + last * k) / (count - 1) for k in range(count)]
+
+
+def named(text: str) -> tuple[str, str]:
+    """Return a name and its words from ``name=words``.
+
+    Raises:
+        InputError: one of them is missing.
+    """
+    name, sign, words = text.partition("=")
+    if not sign or not name.strip() or not words.strip():
+        raise InputError(f'--quantity {text}: write NAME=WORDS, such as "tip=displacement beam.end y max"')
+    return name.strip(), words.strip()
+
+
+def drawn(text: str) -> tuple[str, Any]:
+    """Return a key and its distribution from ``key=norm(1e6, 5e4)``.
+
+    Raises:
+        InputError: there is no key, or no such distribution.
+    """
+    import scipy.stats
+
+    key, sign, words = text.partition("=")
+    found = _CALL.fullmatch(words)
+    kind = getattr(scipy.stats, found[1], None) if found else None
+    if not sign or found is None or not isinstance(kind, scipy.stats.rv_continuous):
+        raise InputError(
+            f"--draw {text}: write KEY=DISTRIBUTION as SciPy calls it, such as norm(1e6, 5e4) with mean and standard "
+            "deviation, or uniform(0.9, 0.2) with the least value and the width"
+        )
+    places: list[float] = []
+    names: dict[str, float] = {}
+    for part in filter(str.strip, found[2].split(",")):
+        name, equal, value = part.rpartition("=")
+        try:
+            number = float(value)
+        except ValueError:
+            raise InputError(f"--draw {text}: {part.strip()} is no number") from None
+        if equal:
+            names[name.strip()] = number
+        else:
+            places.append(number)
+    try:
+        return key.strip(), kind(*places, **names)
+    except TypeError as error:
+        raise InputError(f"--draw {text}: {error}") from None
+
+
+def part_of(text: str | None) -> slice | None:
+    """Return which members are meant by ``100:200``.
+
+    Raises:
+        InputError: it is no part.
+    """
+    if text is None:
+        return None
+    first, sign, last = text.partition(":")
+    if not sign or not all(word.isdecimal() for word in (first or "0", last or "0")):
+        raise InputError(f"--members {text}: write FIRST:END from 0, such as 100:200; the end does not count")
+    return slice(int(first or 0), int(last) if last else None)

@@ -1,0 +1,156 @@
+"""Pictures of an ensemble: distributions with quantiles, fans of histories, Sobol' indices."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, SMALL, TEXT, clean, figure, legend_above
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.ensemble import Ensemble
+
+__all__ = ["draw_fan", "draw_indices", "draw_quantiles"]
+
+LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
+MOST = 6
+"""Quantities in one picture."""
+
+
+def draw_quantiles(found: Ensemble) -> Figure:
+    """Draw the part of the members below every value, with quantiles and their 95 % intervals.
+
+    Raises:
+        InputError: there are too few members.
+    """
+    names = _names(found)
+    table = found.quantiles(LEVELS)
+    columns = min(2, len(names))
+    picture = _titled(found, 5.2 * columns + 0.6, 3.6 * -(-len(names) // columns) + 0.6)
+    panels = picture.subplots(-(-len(names) // columns), columns, squeeze=False).flat
+    for axes, name in zip(panels, names, strict=False):
+        values = np.sort(found.values(name))
+        clean(axes, name, "part of the members below")
+        axes.step(
+            values, np.arange(1, len(values) + 1) / len(values), where="post", color=BLUE, linewidth=1.6
+        )
+        span = values[-1] - values[0]
+        for level in LEVELS:
+            row = table.loc[(name, level)]
+            low, high = (
+                max(row["lower"], values[0] - 0.04 * span),
+                min(row["upper"], values[-1] + 0.04 * span),
+            )
+            axes.plot([low, high], [level, level], color=ORANGE, linewidth=3.0, solid_capstyle="butt")
+            axes.plot([row["value"]], [level], "o", color=INK, markersize=4.5)
+        axes.set_ylim(-0.02, 1.02)
+        _few_ticks(axes)
+    for axes in list(picture.axes)[len(names) :]:
+        axes.set_visible(False)
+    _caption(
+        picture,
+        f"{len(found.values(names[0]))} members (blue); 5, 25, 50, 75, 95 % quantiles (points) and their 95 % "
+        "intervals (bars)",
+    )
+    return picture
+
+
+def draw_fan(found: Ensemble, name: str) -> Figure:
+    """Draw median and bands of a history over time.
+
+    Raises:
+        InputError: there is no such history.
+    """
+    histories = [
+        member.quantities[name] for member in found.members if isinstance(member.quantities.get(name), list)
+    ]
+    if found.design.indices:  # the other rows are no independent samples
+        width = len(found.design.keys) + 2
+        histories = [
+            member.quantities[name]
+            for member in found.members
+            if member.number % width < 2 and isinstance(member.quantities.get(name), list)
+        ]
+    if not histories:
+        raise InputError(
+            f'{name} is no history; ask for one with ("displacement", "beam.end", "y", "history")'
+        )
+    values = np.array(histories)
+    low, inner_low, middle, inner_high, high = np.quantile(values, LEVELS, axis=0)
+    ends = {member.measured.get("time_reached", 0.0) for member in found.completed}
+    end = ends.pop() if len(ends) == 1 else 0.0
+    part = np.linspace(0.0, end or 1.0, values.shape[1])
+    picture = _titled(found, 10.0, 4.8)
+    axes = picture.add_subplot()
+    clean(axes, "time [s]" if end else "time over duration", name)
+    axes.fill_between(part, low, high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
+    axes.fill_between(part, inner_low, inner_high, color=BLUE, alpha=0.35, linewidth=0, label="25 to 75 %")
+    axes.plot(part, middle, color=BLUE, linewidth=1.8, label="median")
+    axes.plot(part, values[0], color=GREY, linewidth=0.9, label="one member")
+    axes.axhline(0.0, color=INK, linewidth=0.6)
+    axes.set_xlim(0.0, part[-1])
+    legend_above(axes, 4)
+    return picture
+
+
+def draw_indices(found: Ensemble) -> Figure:
+    """Draw first and total Sobol' indices of every quantity with their 95 % intervals, the largest on top.
+
+    Raises:
+        InputError: the ensemble has no indices.
+    """
+    names = _names(found)
+    table = found.indices()
+    keys = list(found.design.keys)
+    height = (0.5 * len(keys) + 1.1) * len(names) + 0.6
+    picture = _titled(found, 9.0, height)
+    picture.subplots_adjust(left=min(0.6, 0.0092 * max(map(len, keys)) + 0.03), hspace=0.42)
+    for axes, name in zip(picture.subplots(len(names), 1, squeeze=False).flat, names, strict=True):
+        rows = table.loc[name]
+        order = [str(key) for key in rows["total"].sort_values().index]
+        clean(axes, f"part of the variance of the {name}", "")
+        for k, key in enumerate(order):
+            for kind, colour, shift in (("first", BLUE, 0.18), ("total", ORANGE, -0.18)):
+                row: Any = rows.loc[key]
+                label = _legend(kind) if k == 0 else None
+                axes.barh(k + shift, row[kind], height=0.34, color=colour, label=label)
+                ends = [row[f"{kind}_lower"], row[f"{kind}_upper"]]
+                axes.plot(ends, [k + shift] * 2, color=INK, linewidth=1.2)
+        axes.set_yticks(range(len(order)), order, fontsize=SMALL)
+        axes.axvline(0.0, color=INK, linewidth=0.8)
+        axes.grid(axis="y", visible=False)
+        if name == names[0]:
+            legend_above(axes, 2)
+    return picture
+
+
+def _legend(kind: str) -> str:
+    return "together with others" if kind == "total" else "alone (lines: 95 %)"
+
+
+def _names(found: Ensemble) -> tuple[str, ...]:
+    names = found.numbers[:MOST]
+    if not names:
+        raise InputError("no member has a quantity that is a number")
+    return names
+
+
+def _titled(found: Ensemble, width: float, height: float) -> Figure:
+    picture = figure(width, height)
+    if found.title:
+        picture.suptitle(found.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    return picture
+
+
+def _caption(picture: Figure, text: str) -> None:
+    picture.text(0.01, 1.0 - 0.5 / picture.get_figheight(), text, fontsize=SMALL, color=INK, va="center")
+
+
+def _few_ticks(axes: Any) -> None:
+    from matplotlib.ticker import MaxNLocator
+
+    axes.xaxis.set_major_locator(MaxNLocator(5))

@@ -1,0 +1,188 @@
+"""The pictures of an identification: data and model, residuals, intervals, correlation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, RED, SMALL, TEXT, clean, figure, heading
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viscorod.results.identification import Identification
+
+__all__ = ["draw_autocorrelation", "draw_correlation", "draw_identification", "draw_intervals"]
+
+MOST_PANELS = 8
+"""Series that are drawn at most."""
+FEW = 40
+"""Values of a series up to which each has a mark of its own."""
+WIDEST = 100.0
+"""Relative half width of an interval, in per cent, up to which it is drawn to scale."""
+
+
+def draw_identification(fit: Identification) -> Figure:
+    """Draw every series, measured and predicted over each other, with the residuals beside."""
+    data = fit.data
+    listed = [
+        k for k in range(data.sizes["series"]) if not str(data["series"].values[k]).endswith(" beforehand")
+    ]
+    listed = listed[:MOST_PANELS]
+    height = 1.0 + 2.3 * len(listed)
+    picture = figure(11.0, height)
+    picture.subplots_adjust(
+        hspace=0.62, wspace=0.3, left=0.085, right=0.985, top=1.0 - 0.85 / height, bottom=0.62 / height
+    )
+    if fit.title:
+        picture.suptitle(fit.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    panels = picture.subplots(len(listed), 2, squeeze=False, width_ratios=(1.6, 1.0))
+    for row, k in zip(panels, listed, strict=True):
+        _series(fit, k, row[0], row[1])
+    panels[0][0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=SMALL)
+    return picture
+
+
+def _series(fit: Identification, k: int, left: Axes, right: Axes) -> None:
+    data = fit.data
+    mine = data["series_of"].values == k
+    place, measured, predicted, deviation = (
+        data[name].values[mine] for name in ("place", "measured", "predicted", "deviation")
+    )
+    unit = str(data["place_unit"].values[k])
+    along = {"s": "time [s]", "Hz": "frequency [Hz]", "N": "load"}.get(unit, "mode")
+    folded = bool(np.any(np.diff(place) <= 0.0))
+    if folded:
+        place, along = np.arange(1.0, len(place) + 1.0), "number of the value"
+    name = str(data["series"].values[k])
+    clean(left, along, "measured [SI]")
+    heading(left, name)
+    clean(right, along, "measured - model [SI]")
+    marks = len(place) <= FEW
+    left.plot(
+        place,
+        measured,
+        color=GREY,
+        linestyle="none" if marks else "-",
+        marker="o" if marks else ".",
+        markersize=6.0 if marks else 2.5,
+        linewidth=0.6,
+        label="measured",
+    )
+    left.plot(
+        place,
+        predicted,
+        color=BLUE,
+        linewidth=1.4,
+        linestyle="none" if marks else "-",
+        marker="x" if marks else "",
+        markersize=7.0,
+        label="model",
+    )
+    band = 1.96 * deviation
+    right.fill_between(place, -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
+    right.axhline(0.0, color=INK, linewidth=0.7)
+    right.plot(
+        place,
+        measured - predicted,
+        color=ORANGE,
+        linewidth=0.9,
+        linestyle="none" if marks else "-",
+        marker="o" if marks else "",
+        markersize=4.0,
+    )
+    for axes in (left, right):
+        axes.ticklabel_format(axis="y", scilimits=(-3, 4))
+        if unit == "" and len(place) <= FEW:
+            axes.set_xticks(place[:: max(len(place) // 10, 1)])
+
+
+def draw_intervals(fit: Identification) -> Figure:
+    """Draw the intervals of all told numbers as parts of their values; those not told as lines without ends."""
+    numbers = [*fit.numbers.values(), *fit.combinations.values()]
+    own = len(fit.numbers)
+    picture = figure(11.0, 1.1 + 0.36 * len(numbers))
+    axes = picture.subplots()
+    picture.subplots_adjust(left=0.44, right=0.97, top=0.99, bottom=0.62 / (1.1 + 0.36 * len(numbers)))
+    clean(axes, f"interval of {fit.level:.0%}, in % of the value", "")
+    widest = 0.0
+    for row, one in enumerate(numbers):
+        colour = BLUE if row < own else ORANGE
+        size = abs(one.value) or 1.0
+        if one.told:
+            low, high = (100.0 * (end - one.value) / size for end in (one.low, one.high))
+            low, high = max(low, -WIDEST), min(high, WIDEST)
+            widest = max(widest, -low, high)
+            axes.plot([low, high], [row, row], color=colour, linewidth=3.0, solid_capstyle="butt")
+        axes.plot([0.0], [row], marker="|", markersize=10.0, color=INK)
+    widest = 1.15 * widest or 1.0
+    for row, one in enumerate(numbers):
+        if not one.told:
+            axes.plot([-widest, widest], [row, row], color=RED, linewidth=1.2, linestyle=":")
+            axes.text(widest, row, "not told ", ha="right", va="bottom", fontsize=SMALL, color=RED)
+    axes.set_xlim(-widest, widest)
+    axes.set_ylim(len(numbers) - 0.5, -0.7)
+    axes.set_yticks(range(len(numbers)), [one.name for one in numbers], fontsize=SMALL)
+    axes.grid(visible=False, axis="y")
+    return picture
+
+
+def draw_correlation(fit: Identification) -> Figure:
+    """Draw the correlation of all unknowns as a table of colours with numbers."""
+    names, matrix = list(fit.numbers), fit.correlation
+    size = 2.2 + 0.62 * len(names)
+    picture = figure(max(size + 3.6, 6.0), size)
+    axes = picture.subplots()
+    width = max(size + 3.6, 6.0)
+    picture.subplots_adjust(left=3.9 / width, right=0.98, top=0.98, bottom=0.5 / size)
+    axes.imshow(matrix, cmap="RdBu", vmin=-1.0, vmax=1.0, aspect="auto")
+    for row in range(len(names)):
+        for column in range(len(names)):
+            value = float(matrix[row, column])
+            colour = "white" if abs(value) > 0.6 else INK
+            axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=SMALL, color=colour)
+    axes.set_yticks(range(len(names)), [f"{name}  {k + 1}" for k, name in enumerate(names)], fontsize=SMALL)
+    axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))], fontsize=SMALL)
+    axes.tick_params(length=0.0)
+    return picture
+
+
+def draw_autocorrelation(fit: Identification) -> Figure | None:
+    """Draw the autocorrelation of what is left of every history, before and after its own past is taken out."""
+    data = fit.data
+    listed = [k for k in range(data.sizes["series"]) if data["whiteness"].values[k] < 1.0][:MOST_PANELS]
+    if not listed:
+        return None
+    height = 0.9 + 1.7 * len(listed)
+    picture = figure(11.0, height)
+    picture.subplots_adjust(
+        hspace=0.75, left=0.085, right=0.985, top=1.0 - 0.5 / height, bottom=0.62 / height
+    )
+    panels = picture.subplots(len(listed), 1, squeeze=False)
+    for (axes,), k in zip(panels, listed, strict=True):
+        mine = data["series_of"].values == k
+        count = int(mine.sum())
+        lags = np.arange(1, min(60, count // 3) + 1)
+        clean(axes, "samples apart", "autocorrelation")
+        heading(axes, str(data["series"].values[k]))
+        limit = 1.96 / np.sqrt(count)
+        axes.axhspan(-limit, limit, color=GREY, alpha=0.2, linewidth=0.0)
+        for values, colour, label in (
+            (fit.residuals[mine], ORANGE, "of what is left"),
+            (data["white"].values[mine], BLUE, "once its own past is taken out"),
+        ):
+            axes.plot(
+                lags, _autocorrelation(values, lags), color=colour, marker=".", linewidth=0.8, label=label
+            )
+        axes.axhline(0.0, color=INK, linewidth=0.7)
+        axes.set_ylim(-1.05, 1.05)
+    panels[0][0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=SMALL)
+    return picture
+
+
+def _autocorrelation(values: Floats, lags: np.ndarray) -> Floats:
+    size = float(values @ values) or 1.0
+    return np.array([float(values[:-lag] @ values[lag:]) / size for lag in lags])

@@ -1,0 +1,60 @@
+"""The picture of a modal fit: sizes of the responses with their modes, and damping ratios over the frequency."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    TEXT,
+    clean,
+    figure,
+    heading,
+    legend_above,
+)
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from viscorod.results.modal_fit_result import ModalFit
+
+__all__ = ["draw_modal_fit"]
+
+
+def draw_modal_fit(fit: ModalFit) -> Figure:
+    """Draw a modal fit."""
+    picture = figure(10.0, 7.2)
+    picture.suptitle(fit.title or "Modes of measured responses", fontsize=TEXT + 2.0, x=0.01, ha="left")
+    upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.4, 1.0))
+    hertz = fit.data["line_frequency"].values
+    parts = fit.data["response"].values
+    clean(upper, "", "size of the response")
+    shown = hertz > 0.0
+    for k, name in enumerate(fit.data["record_name"].values):
+        size = np.hypot(parts[k, :, 0], parts[k, :, 1])
+        colour = (BLUE, GREEN, PURPLE, GREY)[k % 4]
+        upper.plot(hertz[shown], size[shown], color=colour, linewidth=1.0, label=str(name))
+    for frequency in fit.frequencies:
+        upper.axvline(frequency, color=ORANGE, linewidth=1.0, linestyle="--", zorder=0.5)
+    upper.set_yscale("log")
+    legend_above(upper, 4)
+    clean(lower, "frequency [Hz]", "damping ratio [%]")
+    width = fit.data["damping_ratio_width"].values
+    lower.errorbar(
+        fit.frequencies,
+        100.0 * fit.damping_ratios,
+        100.0 * width,
+        fmt="o",
+        color=ORANGE,
+        markersize=4.5,
+        capsize=3.0,
+    )
+    lower.set_ylim(bottom=0.0)
+    heading(lower, "pole fits, 95 %")
+    return picture

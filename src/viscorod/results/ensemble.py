@@ -1,0 +1,336 @@
+"""Result of an ensemble: quantiles of its quantities with their errors, Sobol' indices, pictures."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import asdict, dataclass
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.errors import Fault, InputError
+from viscorod.results.sweep_result import Sweep
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import pandas as pd
+    import xarray as xr
+
+__all__ = ["CONFIDENCE", "Design", "Ensemble"]
+
+CONFIDENCE = 0.95
+LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
+RESAMPLES = 400
+LEAST = 8
+"""Members from which on there are quantiles and indices."""
+
+
+@dataclass(frozen=True)
+class Design:
+    """How the members of an ensemble were chosen.
+
+    Attributes:
+        keys: that are uncertain.
+        distributions: theirs, in words.
+        n: number of points.
+        seed: of the sequence.
+        indices: whether every point has rows for Sobol' indices: A, B and one per key.
+    """
+
+    keys: tuple[str, ...]
+    distributions: tuple[str, ...]
+    n: int
+    seed: int
+    indices: bool
+
+    @property
+    def members(self) -> int:
+        """How many members it has."""
+        return self.n * (len(self.keys) + 2 if self.indices else 1)
+
+    @property
+    def record(self) -> str:
+        """The design as JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def of_record(cls, text: str, where: str) -> Design:
+        """Return the design that was recorded.
+
+        Raises:
+            InputError: the record is damaged.
+        """
+        try:
+            found = json.loads(text)
+            return cls(
+                tuple(map(str, found["keys"])),
+                tuple(map(str, found["distributions"])),
+                int(found["n"]),
+                int(found["seed"]),
+                bool(found["indices"]),
+            )
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"{where} is damaged: it does not say how its members were chosen") from None
+
+
+class Ensemble(Sweep):
+    """The members of an ensemble, which is a sweep over uncertain values.
+
+    Attributes:
+        design: how they were chosen.
+    """
+
+    design: Design
+
+    @classmethod
+    def of_sweep(cls, sweep: Sweep, design: Design) -> Self:
+        """Return a sweep whose members were chosen by a design.
+
+        Raises:
+            InputError: it has another number of members.
+        """
+        found = cls(sweep.members, sweep.title, sweep.notes)
+        if len(sweep.members) != design.members:
+            raise InputError(f"{len(sweep.members)} members are no ensemble of {design.members}")
+        found.design = design
+        return found
+
+    @property
+    def numbers(self) -> tuple[str, ...]:
+        """Names of the quantities that are numbers, not histories."""
+        return tuple(name for name in self.quantities if name in self._columns)
+
+    @cached_property
+    def _columns(self) -> dict[str, Floats]:
+        """Values of every quantity of all members; NaN where there are none."""
+        found = self.table()
+        return {name: found[name].to_numpy(dtype=float) for name in self.quantities if name in found}
+
+    def values(self, quantity: str) -> Floats:
+        """Return a quantity of the members that are independent samples of it, in their order ``(k,)``.
+
+        Raises:
+            InputError: there is no such quantity, or too few members have it.
+        """
+        column = self._column(quantity)
+        if self.design.indices:
+            column = column.reshape(self.design.n, -1)[:, :2].T.reshape(-1)
+        column = column[np.isfinite(column)]
+        if len(column) < LEAST:
+            raise InputError(f"{quantity}: {len(column)} members have it; {LEAST} are needed")
+        return column
+
+    def _column(self, quantity: str) -> Floats:
+        if quantity not in self._columns:
+            known = ", ".join(self.numbers) or "none"
+            raise InputError(Fault("quantity", quantity, "there is no such number", f"there are {known}"))
+        return self._columns[quantity]
+
+    def quantiles(self, levels: Sequence[float] = LEVELS) -> pd.DataFrame:
+        """Return quantiles of all quantities, with intervals of 95 % confidence.
+
+        The intervals are those of order statistics (``scipy.stats.quantile_test``), which hold for any distribution and
+        independent members; those of a Sobol' sequence lie more evenly, so that errors are smaller than this says.
+        Where members are too few for a bound, it is infinite.
+
+        Args:
+            levels: probabilities between 0 and 1.
+
+        Returns:
+            A table by quantity and level: ``value``, ``lower``, ``upper``, and the value from the first half of the
+            members, ``half``, which shows how it converges.
+
+        Raises:
+            InputError: a level is no probability, or there are too few members.
+        """
+        import pandas as pd
+        from scipy.stats import quantile_test
+
+        wrong = [level for level in levels if not 0.0 < level < 1.0]
+        if wrong:
+            raise InputError(Fault("levels", repr(wrong[0]), "no probability", "give 0.05 or 0.95"))
+        rows = []
+        for name in self.numbers:
+            values = self.values(name)
+            for level in levels:
+                low, high = quantile_test(values, p=level).confidence_interval(CONFIDENCE)
+                rows.append(
+                    {
+                        "quantity": name,
+                        "level": level,
+                        "value": float(np.quantile(values, level)),
+                        "lower": -np.inf if np.isnan(low) else float(low),
+                        "upper": np.inf if np.isnan(high) else float(high),
+                        "half": float(np.quantile(values[: len(values) // 2], level)),
+                    }
+                )
+        return pd.DataFrame(rows).set_index(["quantity", "level"])
+
+    def moments(self) -> pd.DataFrame:
+        """Return mean, its standard error as of independent members, and standard deviation of all quantities."""
+        import pandas as pd
+
+        rows = {}
+        for name in self.numbers:
+            values = self.values(name)
+            deviation = float(values.std(ddof=1))
+            rows[name] = {
+                "mean": float(values.mean()),
+                "error": deviation / float(np.sqrt(len(values))),
+                "deviation": deviation,
+            }
+        return pd.DataFrame.from_dict(rows, orient="index").rename_axis("quantity")
+
+    def indices(self) -> pd.DataFrame:
+        """Return the Sobol' indices of all quantities, with intervals of 95 % confidence.
+
+        ``first`` is the part of the variance that is due to a key alone, ``total`` the part in which it takes part
+        (estimators of Saltelli et al. 2010 and Jansen 1999). Intervals are those of a bootstrap over the points.
+        Estimates of small indices may be negative within these. Points of which a member failed are left out.
+
+        Returns:
+            A table by quantity and key: ``first``, ``first_lower``, ``first_upper``, ``total``, ``total_lower``,
+            ``total_upper``.
+
+        Raises:
+            InputError: the ensemble was computed without indices, a quantity does not vary, or points are too few.
+        """
+        import pandas as pd
+
+        if not self.design.indices:
+            raise InputError("the ensemble has no rows for Sobol' indices; compute it with indices=True")
+        rows = []
+        for name in self.numbers:
+            found = self._column(name).reshape(self.design.n, -1)
+            found = found[np.isfinite(found).all(axis=1)]
+            if len(found) < LEAST:
+                raise InputError(f"{name}: {len(found)} points have all their members; {LEAST} are needed")
+            if not np.ptp(found[:, :2]) > 0.0:
+                raise InputError(f"{name} does not vary; it has no Sobol' indices")
+            first, total = _sobol(found)
+            random = np.random.default_rng(self.design.seed)
+            drawn = random.integers(len(found), size=(RESAMPLES, len(found)))
+            again = np.array([_sobol(found[rows_drawn]) for rows_drawn in drawn])
+            tail = 50.0 * (1.0 - CONFIDENCE)
+            low, high = np.percentile(again, [tail, 100.0 - tail], axis=0)
+            for k, key in enumerate(self.design.keys):
+                rows.append(
+                    {
+                        "quantity": name,
+                        "key": key,
+                        "first": first[k],
+                        "first_lower": low[0, k],
+                        "first_upper": high[0, k],
+                        "total": total[k],
+                        "total_lower": low[1, k],
+                        "total_upper": high[1, k],
+                    }
+                )
+        return pd.DataFrame(rows).set_index(["quantity", "key"])
+
+    def report(self) -> str:
+        """Return the distributions, quantiles of all quantities, indices, how it converges, and what failed."""
+        design = self.design
+        count = f"{len(self.members)} members, {len(self.completed)} completed"
+        drawn = list(zip(design.keys, design.distributions, strict=True))
+        blocks = [
+            table(f"{self.title}: {count}" if self.title else count, ("key", "drawn from"), drawn),
+        ]
+        try:
+            quantiles = self.quantiles((0.05, 0.5, 0.95))
+        except InputError as error:
+            blocks.append(str(error))
+        else:
+            lines = [
+                (
+                    str(name),
+                    f"{100.0 * level:g} %",
+                    f"{row.value:.6g}",
+                    f"{row.lower:.6g}",
+                    f"{row.upper:.6g}",
+                    f"{row.half:.6g}",
+                )
+                for (name, level), row in zip(quantiles.index, quantiles.itertuples(), strict=True)
+            ]
+            header = ("quantity", "quantile", "value", "95 % from", "to", "first half")
+            blocks.append(table("Quantiles", header, lines))
+        if design.indices:
+            blocks.append(self._indices_text())
+        told = [f"member {member.number}: {member.message}" for member in self.members if member.message]
+        blocks += told[:10]
+        if len(told) > 10:
+            blocks.append(f"and {len(told) - 10} more messages in the table")
+        return "\n\n".join([*blocks, *self.notes])
+
+    def _indices_text(self) -> str:
+        try:
+            found = self.indices()
+        except InputError as error:
+            return str(error)
+        lines = [
+            (
+                str(name),
+                str(key),
+                f"{row.first:.3f} ({row.first_lower:.3f} to {row.first_upper:.3f})",
+                f"{row.total:.3f} ({row.total_lower:.3f} to {row.total_upper:.3f})",
+            )
+            for (name, key), row in zip(found.index, found.itertuples(), strict=True)
+        ]
+        return table("Sobol' indices (95 %)", ("quantity", "key", "alone", "in all"), lines)
+
+    @checked
+    def plot(self, path: str | Path) -> Path:
+        """Draw the distribution of every quantity with its quantiles and their errors; returns the path."""
+        from viscorod.pictures.plots.plot_ensemble import draw_quantiles
+        from viscorod.pictures.style import write
+
+        return write(draw_quantiles(self), path)
+
+    @checked
+    def plot_indices(self, path: str | Path) -> Path:
+        """Draw the Sobol' indices of every quantity, the largest on top; returns the path."""
+        from viscorod.pictures.plots.plot_ensemble import draw_indices
+        from viscorod.pictures.style import write
+
+        return write(draw_indices(self), path)
+
+    @checked
+    def plot_fan(self, path: str | Path, name: str) -> Path:
+        """Draw the quantiles over time of a quantity that is a history; returns the path.
+
+        Args:
+            path: of the picture.
+            name: of the quantity.
+        """
+        from viscorod.pictures.plots.plot_ensemble import draw_fan
+        from viscorod.pictures.style import write
+
+        return write(draw_fan(self, name), path)
+
+    def _attributes(self) -> dict[str, str]:
+        return super()._attributes() | {"ensemble": self.design.record}
+
+    @classmethod
+    def of(cls, data: xr.Dataset, path: Path) -> Ensemble:
+        """Return the ensemble whose file is ``path`` and whose root is ``data``."""
+        design = Design.of_record(str(data.attrs.get("ensemble", "")), str(path))
+        return cls.of_sweep(Sweep.of(data, path), design)
+
+
+def _sobol(found: Floats) -> tuple[Floats, Floats]:
+    """Return the indices ``(keys,)`` of the values at A, B and AB ``(points, keys + 2)``.
+
+    As ``scipy.stats.sobol_indices`` computes them, but for any number of points (Saltelli et al. 2010, table 2, (b) and
+    (f)).
+    """
+    f = found - found[:, :2].mean()
+    a, b, ab = f[:, :1], f[:, 1:2], f[:, 2:]
+    variance = np.var(f[:, :2])
+    first: Floats = np.mean(b * (ab - a), axis=0) / variance
+    total: Floats = 0.5 * np.mean((a - ab) ** 2, axis=0) / variance
+    return first, total

@@ -1,0 +1,298 @@
+"""The result of an identification: fitted numbers with intervals, what is left, what the data cannot tell, laws."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, ClassVar
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.casefile.case import Case
+
+__all__ = ["Identification", "Law", "Number"]
+
+VARIABLES: Variables = {
+    "unknown": (("unknown",), "", "key of a number of the case, or name of a number of the measurement"),
+    "nuisance": (("unknown",), "", "1 where it belongs to the measurement and not to the model"),
+    "start": (("unknown",), "", "where the search began"),
+    "estimate": (("unknown",), "", "at the least sum of squares, SI"),
+    "relative": (("unknown",), "", "1 where the standard error is in parts of the estimate"),
+    "standard_error": (("unknown",), "", "of the estimate, SI or in parts of it"),
+    "low": (("unknown",), "", "lower end of the interval, SI; 0 where it is open"),
+    "high": (("unknown",), "", "upper end of the interval, SI; 0 where it is open"),
+    "low_open": (("unknown",), "", "1 where nothing limits it from below"),
+    "high_open": (("unknown",), "", "1 where nothing limits it from above"),
+    "interval_by": (("unknown",), "", "how the interval was found"),
+    "covariance": (
+        ("unknown", "other_unknown"),
+        "",
+        "of the unknowns along what the data see, as standard errors",
+    ),
+    "unseen": (
+        ("direction", "unknown"),
+        "",
+        "directions that the data do not see, as powers of the unknowns",
+    ),
+    "measured": (("value",), "", "what was measured, SI"),
+    "predicted": (("value",), "", "what the fitted model says, SI"),
+    "deviation": (("value",), "", "standard deviation of the noise of the value, SI"),
+    "white": (("value",), "", "residual less what its own past tells of it, over its standard deviation"),
+    "place": (("value",), "", "time [s], frequency [Hz], load or number of the value"),
+    "series_of": (("value",), "", "number of the series, from 0"),
+    "series": (("series",), "", "what one channel of one record gave"),
+    "place_unit": (("series",), "", "unit of the place of its values"),
+    "noise": (("series",), "", "standard deviation of the residuals, typical, SI"),
+    "noise_told": (("series",), "", "what was told of it, SI; 0 where nothing was"),
+    "noise_order": (("series",), "1", "terms of the autoregression of the residuals"),
+    "effective_count": (("series",), "1", "values that would tell as much if they were independent"),
+    "whiteness": (
+        ("series",),
+        "1",
+        "probability of such an autocorrelation of white residuals (Ljung and Box)",
+    ),
+    "at_signal": (("series",), "1", "part of the power of the residuals at the frequency of the record"),
+    "combination_value": (
+        ("combination",),
+        "",
+        "value of what the data tell of several unknowns together, SI",
+    ),
+    "combination_low": (("combination",), "", "lower end of its interval"),
+    "combination_high": (("combination",), "", "upper end of its interval"),
+    "law_unknowns": (("law",), "1", "numbers that were fitted in a law compared on the same data"),
+    "law_square": (("law",), "1", "sum of squares in units of the noise of the best"),
+    "law_aicc": (("law",), "1", "Akaike's corrected criterion, less the least"),
+    "law_bic": (("law",), "1", "Bayesian criterion, less the least"),
+    "law_prediction": (("law",), "1", "error of records left out, over their noise; 0 where none was"),
+    "program_value": (("program_number",), "", "value of a damping input of another program"),
+    "program_low": (("program_number",), "", "lower end of its interval"),
+    "program_high": (("program_number",), "", "upper end of its interval"),
+}
+
+VERY_WIDE = 1e6
+"""Variance along what the data do not see, over the largest that they do."""
+
+
+@dataclass(frozen=True)
+class Number:
+    """A number that was found.
+
+    Attributes:
+        name: of it; value: in SI.
+        low, high: ends of its interval; infinite (or 0 of positive numbers) where the data cannot tell.
+        standard_error: SI; how: by which the interval was found.
+    """
+
+    name: str
+    value: float
+    low: float
+    high: float
+    standard_error: float = 0.0
+    how: str = ""
+
+    @property
+    def told(self) -> bool:
+        """Whether both ends of the interval are finite."""
+        return bool(np.isfinite(self.low) and np.isfinite(self.high))
+
+
+@dataclass(frozen=True)
+class Law:
+    """A law that was compared on the same data.
+
+    Attributes:
+        name: of it; unknowns: numbers that were fitted; values: what they are, in words.
+        square: sum of squares in units of the noise of the best; aicc, bic: criteria less the least.
+        prediction: error of records left out over their noise, 0 where none was.
+    """
+
+    name: str
+    unknowns: int
+    square: float
+    aicc: float
+    bic: float
+    prediction: float
+    values: str
+
+
+class Identification(StatelessResult):
+    """Numbers of cases that were fitted to records, with intervals.
+
+    ``data`` is an ``xarray.Dataset`` with the unknowns, their covariance, all values measured and predicted, the noise,
+    what the data tell of combinations, and laws that were compared.
+    """
+
+    kind: ClassVar[str] = "identification"
+    picture: ClassVar[str] = "fit"
+    what: ClassVar[str] = "identification"
+
+    @classmethod
+    def variables(cls) -> Variables:
+        """See :class:`StatelessResult`."""
+        return VARIABLES
+
+    @property
+    def level(self) -> float:
+        """Probability of the intervals."""
+        return float(self.data.attrs.get("level", 0.95))
+
+    @property
+    def numbers(self) -> dict[str, Number]:
+        """The unknowns by name: those of the model and those of the measurement."""
+        data = self.data
+        errors = self._values("standard_error") * np.where(
+            self._values("relative") > 0.0, np.abs(self._values("estimate")), 1.0
+        )
+        found = {}
+        for k, name in enumerate(data["unknown"].values):
+            relative = bool(data["relative"].values[k])
+            low = (
+                (0.0 if relative else -np.inf) if data["low_open"].values[k] else float(data["low"].values[k])
+            )
+            high = np.inf if data["high_open"].values[k] else float(data["high"].values[k])
+            how = str(data["interval_by"].values[k])
+            found[str(name)] = Number(
+                str(name), float(data["estimate"].values[k]), low, high, float(errors[k]), how
+            )
+        return found
+
+    @property
+    def parameters(self) -> dict[str, Number]:
+        """Those of the model."""
+        mine = self._values("nuisance") == 0.0
+        return {name: one for (name, one), own in zip(self.numbers.items(), mine, strict=True) if own}
+
+    @property
+    def nuisances(self) -> dict[str, Number]:
+        """Those of the measurement, or that were called so."""
+        return {name: one for name, one in self.numbers.items() if name not in self.parameters}
+
+    @property
+    def combinations(self) -> dict[str, Number]:
+        """What the data tell of several unknowns together, by name."""
+        values, low, high = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
+        names = (name for name, _ in self.words("combinations"))
+        return {
+            name: Number(name, float(value), float(below), float(above))
+            for name, value, below, above in zip(names, values, low, high, strict=True)
+        }
+
+    @property
+    def in_programs(self) -> dict[str, Number]:
+        """The damping in the numbers of other programs, by program and number."""
+        values, low, high = (self._values(f"program_{word}") for word in ("value", "low", "high"))
+        names = self.words("program_numbers")
+        return {
+            name: Number(name, float(value), float(below), float(above))
+            for name, value, below, above in zip(names, values, low, high, strict=True)
+        }
+
+    @property
+    def laws(self) -> list[Law]:
+        """Laws that were compared, the best first."""
+        data = self.data
+        return [
+            Law(
+                name,
+                int(data["law_unknowns"].values[k]),
+                float(data["law_square"].values[k]),
+                float(data["law_aicc"].values[k]),
+                float(data["law_bic"].values[k]),
+                float(data["law_prediction"].values[k]),
+                values,
+            )
+            for k, (name, values) in enumerate(self.words("laws"))
+        ]
+
+    @property
+    def covariance(self) -> Floats:
+        """Covariance of the unknowns ``(p, p)``, SI, along what the data see."""
+        size = np.where(self._values("relative") > 0.0, self._values("estimate"), 1.0)
+        return np.asarray(self._values("covariance") * np.outer(size, size))
+
+    @property
+    def correlation(self) -> Floats:
+        """Correlation of the unknowns ``(p, p)``; directions that the data do not see count as very wide ones."""
+        matrix, unseen = self._values("covariance"), self._values("unseen")
+        matrix = matrix + VERY_WIDE * max(float(np.abs(matrix).max(initial=0.0)), 1.0) * unseen.T @ unseen
+        size = np.sqrt(np.diag(matrix))
+        size = np.where(size > 0.0, size, 1.0)
+        return np.asarray(matrix / np.outer(size, size))
+
+    @property
+    def residuals(self) -> Floats:
+        """Measured less predicted, SI."""
+        return np.asarray(self._values("measured") - self._values("predicted"))
+
+    @property
+    def sentences(self) -> list[str]:
+        """What the fit says, in words: what cannot be told, what is excluded."""
+        return [str(text) for text in self.words("sentences")]
+
+    @property
+    def units(self) -> dict[str, str]:
+        """Units of the combinations by name."""
+        return dict(self.words("combinations"))
+
+    def words(self, name: str) -> list[Any]:
+        """Return a list of texts that the data set keeps as an attribute."""
+        found: list[Any] = json.loads(self.data.attrs.get(name, "[]"))
+        return found
+
+    def to_toml(self, number: int = 0) -> str:
+        """Return a case with the fitted numbers as the text of a case file, ready to run.
+
+        Args:
+            number: of the case, from 0, where several were fitted at once.
+        """
+        return str(self.words("cases")[number])
+
+    @property
+    def cases(self) -> list[Case]:
+        """The cases with the fitted numbers."""
+        from viscorod.casefile.case import parse_case
+
+        return [parse_case(text) for text in self.words("cases")]
+
+    @property
+    def case(self) -> Case:
+        """The case with the fitted numbers, the first one of several."""
+        return self.cases[0]
+
+    def report(self) -> str:
+        """Return a report: numbers, what the data tell, residuals, laws, warnings."""
+        from viscorod.results.identification_report import identification_report
+
+        return identification_report(self)
+
+    @checked
+    def plot(self, path: str | Path) -> Path:
+        """Draw data and model over each other with the residuals; returns the path."""
+        from viscorod.pictures.plots.plot_identification import draw_identification
+        from viscorod.pictures.style import write
+
+        return write(draw_identification(self), path)
+
+    @checked
+    def page(self, path: str | Path) -> Path:
+        """Write a page of one file that needs no network: fit, residuals, intervals, correlation, laws.
+
+        Returns:
+            The path.
+        """
+        from viscorod.pictures.identification_page import write_page
+
+        return write_page(self, Path(path))
+
+    def _values(self, name: str) -> Floats:
+        return np.asarray(self.data[name].values, dtype=float)
+
+    def __getitem__(self, name: str) -> Any:
+        """Return one of the numbers by its name."""
+        return self.numbers[name]

@@ -1,0 +1,109 @@
+"""The report of an identification in words and numbers."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.results.text_table import table
+
+if TYPE_CHECKING:
+    from viscorod.results.identification import Identification, Number
+
+__all__ = ["identification_report", "limits_text"]
+
+
+def identification_report(fit: Identification) -> str:
+    """Return the report: numbers, what the data tell together, residuals, laws, programs, sentences."""
+    data = fit.data
+    heading = f"{fit.title + chr(10) if fit.title else ''}Identification from {data.sizes['value']} values"
+    heading += (
+        f" in {data.sizes['series']} series; {fit.data.attrs['evaluations']} evaluations and derivatives"
+    )
+    starts = int(fit.data.attrs["starts"])
+    if starts > 1:
+        heading += f"\n{fit.data.attrs['agreeing_starts']} of {starts} starts ended in this minimum"
+    blocks = [heading, _numbers(f"Numbers of the model, intervals of {fit.level:.0%}", fit.parameters)]
+    if fit.nuisances:
+        blocks.append(_numbers("Numbers of the measurement", fit.nuisances))
+    if fit.combinations:
+        rows = [
+            [name, f"{one.value:.5g}", *limits_text(one), fit.units[name]]
+            for name, one in fit.combinations.items()
+        ]
+        blocks.append(
+            table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows)
+        )
+    if fit.sentences:
+        blocks.append("\n".join(["What to know", *(f"  - {text}" for text in fit.sentences)]))
+    blocks.append(_residuals(fit))
+    if fit.laws:
+        blocks.append(_laws(fit))
+    if fit.in_programs:
+        rows = [[name, f"{one.value:.5g}", *limits_text(one)] for name, one in fit.in_programs.items()]
+        blocks.append(
+            table("The damping in the numbers of other programs", ["", "value", "low", "high"], rows)
+        )
+    if fit.warnings:
+        blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in fit.warnings)]))
+    return "\n\n".join(blocks)
+
+
+def limits_text(one: Number) -> tuple[str, str]:
+    """Return the ends of an interval in words."""
+    low = "-infinite" if one.low == -np.inf else f"{one.low:.5g}"
+    return low, "infinite" if one.high == np.inf else f"{one.high:.5g}"
+
+
+def _numbers(title: str, numbers: dict[str, Number]) -> str:
+    rows = [
+        [
+            name,
+            f"{one.value:.6g}",
+            *limits_text(one),
+            f"{one.standard_error:.2g}" if one.told else "-",
+            one.how,
+        ]
+        for name, one in numbers.items()
+    ]
+    return table(title, ["", "value", "low", "high", "standard error", "interval by"], rows)
+
+
+def _residuals(fit: Identification) -> str:
+    data = fit.data
+    rows = []
+    for k, name in enumerate(data["series"].values):
+        mine = data["series_of"].values == k
+        told = float(data["noise_told"].values[k])
+        rows.append(
+            [
+                str(name),
+                str(int(mine.sum())),
+                f"{float(data['effective_count'].values[k]):.0f}",
+                f"{float(data['noise'].values[k]):.3g}",
+                f"{told:.3g}" if told else "-",
+                str(int(data["noise_order"].values[k])),
+                f"{float(data['whiteness'].values[k]):.2g}",
+            ]
+        )
+    header = ["", "values", "effective", "noise", "told", "order", "p(white)"]
+    return table("What is left", header, rows)
+
+
+def _laws(fit: Identification) -> str:
+    held = any(law.prediction > 0.0 for law in fit.laws)
+    rows = [
+        [
+            law.name,
+            str(law.unknowns),
+            f"{law.square:.5g}",
+            f"{law.aicc:.1f}",
+            f"{law.bic:.1f}",
+            *([f"{law.prediction:.3g}"] if held else []),
+            law.values,
+        ]
+        for law in fit.laws
+    ]
+    header = ["law", "numbers", "squares", "AICc", "BIC", *(["left out"] if held else []), "fitted"]
+    return table("Laws on the same data; criteria less the least", header, rows)

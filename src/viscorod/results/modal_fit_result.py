@@ -1,0 +1,106 @@
+"""The result of a modal fit: modes of measured frequency responses with intervals."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import ClassVar
+
+import numpy as np
+
+from viscorod.checks import checked
+from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.results.text_table import table
+from viscorod.typing import Floats
+
+__all__ = ["ModalFit"]
+
+WIDTH = "half of the 95 % interval"
+VARIABLES: Variables = {
+    "response": (("record", "line", "part"), "", "real and imaginary part of what was measured"),
+    "line_frequency": (("line",), "Hz", "frequency of the lines"),
+    "record_name": (("record",), "", "name of the record"),
+    "frequency": (("mode",), "Hz", "natural frequency |s|/2 pi"),
+    "frequency_width": (("mode",), "Hz", WIDTH),
+    "damping_ratio": (("mode",), "1", "-Re s/|s|"),
+    "damping_ratio_width": (("mode",), "1", WIDTH),
+}
+"""Name -> dimensions, unit and long name of every variable; all are always there."""
+
+
+class ModalFit(StatelessResult):
+    """Modes of measured frequency responses: natural frequencies and damping ratios with 95 % intervals."""
+
+    kind: ClassVar[str] = "modal_fit"
+    picture: ClassVar[str] = "modal_fit"
+    what: ClassVar[str] = "modal fit"
+
+    @classmethod
+    def variables(cls) -> Variables:
+        """See :class:`StatelessResult`."""
+        return VARIABLES
+
+    def _column(self, name: str) -> Floats:
+        return np.asarray(self.data[name].values, dtype=float)
+
+    @property
+    def frequencies(self) -> Floats:
+        """Natural frequencies ``|s|/2 pi`` [Hz], increasing (k,)."""
+        return self._column("frequency")
+
+    @property
+    def damping_ratios(self) -> Floats:
+        """Damping ratios ``-Re s/|s|`` (k,)."""
+        return self._column("damping_ratio")
+
+    @property
+    def half_power(self) -> list[float | None]:
+        """Damping ratios read off the half-power widths; None where these have less than two bins, or are not alone."""
+        return list(json.loads(self.data.attrs["half_power"]))
+
+    def report(self) -> str:
+        """Return a report: modes with intervals, doubts."""
+        hertz = self._column("line_frequency")
+        names = ", ".join(str(one) for one in self.data["record_name"].values)
+        heading = (
+            f"{self.title + chr(10) if self.title else ''}Modes of {names}, lines of {hertz[1] - hertz[0]:.4g} Hz from "
+            f"{hertz[0]:.6g} to {hertz[-1]:.6g} Hz"
+        )
+        columns = (
+            self._column(f"{name}{end}") for name in ("frequency", "damping_ratio") for end in ("", "_width")
+        )
+        rows = [
+            [
+                str(k),
+                f"{f:.6g} ± {df:.2g}",
+                f"{z:.4g} ± {dz:.2g}",
+                "refused" if half is None else f"{half:.4g}",
+            ]
+            for k, (f, df, z, dz, half) in enumerate(zip(*columns, self.half_power, strict=True), 1)
+        ]
+        header = ["", "frequency [Hz]", "damping ratio", "half power"]
+        blocks = [heading, table("Modes (± 95 %)", header, rows)]
+        if self.warnings:
+            blocks.append("\n".join(["Doubts", *(f"  - {text}" for text in self.warnings)]))
+        return "\n\n".join(blocks)
+
+    def __str__(self) -> str:
+        return self.report()
+
+    @checked
+    def plot(self, path: str | Path) -> Path:
+        """Draw the size of the responses with the modes, and the damping ratios over the frequency.
+
+        Args:
+            path: picture to write; the suffix gives the format.
+
+        Returns:
+            The path.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.plots.plot_modal_fit import draw_modal_fit
+        from viscorod.pictures.style import write
+
+        return write(draw_modal_fit(self), path)

@@ -1,0 +1,329 @@
+"""Bounded nonlinear least squares with noise that is estimated on the way.
+
+SciPy's trust-region reflective Gauss-Newton seeks the unknowns; what is left gives the size and the colour of the
+noise; by these the values are weighted anew and the search goes on from where it was, until neither changes (feasible
+generalised least squares).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import least_squares
+from scipy.stats import qmc
+
+from viscorod.errors import InputError, SolveError
+from viscorod.solve.estimation.noise import Noise, Series, SeriesNoise, noise_of
+from viscorod.solve.estimation.predictions import Predictions
+from viscorod.solve.estimation.unknowns import Unknowns
+from viscorod.typing import Floats
+
+__all__ = ["Estimate", "Scaled", "estimate", "leverage", "searched"]
+
+ROUNDS = 4
+"""Times that the noise is estimated at most."""
+SETTLED = 0.05
+"""Standard errors by which new weights may move the unknowns without another search."""
+NEAR = 0.5
+"""Standard errors by which they may move them by one step with the slopes that there are."""
+STATISTICAL = 5e-4
+"""Change of the sum of squares, in units of the noise, that is not worth another iteration."""
+REGION = 0.5
+"""Change of a logarithm, or of a number over its scale, by which the first step goes at most, or so."""
+HELD = 0.2
+"""One over the change of these that is held back as much as one standard deviation of a value: it leaves where they are
+those that the data do not tell, and moves others by nothing that matters."""
+MOST_CARRIED, GAINED, FLAT = 2, 0.5, 0.98
+"""Times that slopes are carried on before they are computed again; the part of the sum of squares that a step must
+leave at most for that, or at least, where the search has come to its end."""
+SAME = 1e-3
+"""Relative difference of sums of squares below which two starts have found the same minimum."""
+
+
+@dataclass(frozen=True, eq=False)
+class Estimate:
+    """Where the sum of squares is least.
+
+    Attributes:
+        unknowns: that were sought; z: their coordinates there ``(p,)``.
+        predicted: values there ``(n,)``; measured: what they are compared with.
+        slopes: derivatives of the predictions by z ``(n, p)``.
+        noise: of the measured values.
+        accuracy: relative error of the slopes.
+        starts: that were tried; agreeing: how many of them ended in this minimum.
+        evaluations: of the values.
+    """
+
+    unknowns: Unknowns
+    z: Floats
+    measured: Floats
+    predicted: Floats
+    slopes: Floats
+    noise: Noise
+    accuracy: float
+    starts: int
+    agreeing: int
+    evaluations: int
+
+    @property
+    def values(self) -> Floats:
+        """The unknowns ``(p,)`` in their units."""
+        return self.unknowns.values(self.z)
+
+    @property
+    def residuals(self) -> Floats:
+        """Measured less predicted ``(n,)``."""
+        return self.measured - self.predicted
+
+    @property
+    def whitened_slopes(self) -> Floats:
+        """Derivatives by z in units of independent noise ``(n, p)``."""
+        return self.noise.whitened(self.slopes)
+
+    @property
+    def square(self) -> float:
+        """Sum of squares of the whitened residuals."""
+        white = self.noise.whitened(self.residuals)
+        return float(white @ white)
+
+
+class Scaled:
+    """Predictions by the coordinates z; the last ones are kept."""
+
+    def __init__(self, predictions: Predictions, unknowns: Unknowns) -> None:
+        self._predictions, self._unknowns = predictions, unknowns
+        self._last: tuple[bytes, Floats] | None = None
+        self.evaluations = 0
+
+    def values(self, z: Floats) -> Floats:
+        """Return the values at z ``(n,)``."""
+        key = z.tobytes()
+        if self._last is None or self._last[0] != key:
+            self.evaluations += 1
+            self._last = key, self._predictions.values(self._unknowns.values(z))
+        return self._last[1]
+
+    @property
+    def accuracy(self) -> float:
+        """Relative error of the derivatives."""
+        return self._predictions.accuracy
+
+    def jacobian(self, z: Floats, *, rough: bool = False) -> Floats:
+        """Return the derivatives by z ``(n, p)``."""
+        return self._predictions.jacobian(self._unknowns.values(z), rough=rough) * self._unknowns.slopes(z)
+
+
+class Followed:
+    """Slopes along a search: computed at first and where steps gain little, else carried on by Broyden's update.
+
+    C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Math. Comp. 19 (1965) 577-593.
+    """
+
+    def __init__(self, residual: Callable[[Floats], Floats], slopes: Callable[[Floats], Floats]) -> None:
+        self._residual, self._slopes = residual, slopes
+        self._last: tuple[Floats, Floats, Floats] | None = None
+        self._carried = 0
+
+    def slopes(self, z: Floats) -> Floats:
+        """Return the derivatives of the residuals at z, which has just been evaluated."""
+        found, now = None, self._residual(z)
+        if self._last is not None and self._carried < MOST_CARRIED:
+            before, then, slopes = self._last
+            step = z - before
+            part = float(now @ now) / max(float(then @ then), 1e-300)
+            if step.any() and (part < GAINED or FLAT < part <= 1.0):
+                found = slopes + np.outer(now - then - slopes @ step, step) / (step @ step)
+        self._carried = 0 if found is None else self._carried + 1
+        found = self._slopes(z) if found is None else found
+        self._last = z.copy(), now, found
+        return found
+
+
+def estimate(
+    predictions: Predictions,
+    measured: Floats,
+    series: Sequence[Series],
+    unknowns: Unknowns,
+    *,
+    starts: int = 1,
+    robust: bool = False,
+    coloured: bool = True,
+    seed: int = 0,
+    report: Callable[[str], None] | None = None,
+) -> Estimate:
+    """Seek the unknowns by which predictions come nearest to what was measured.
+
+    Args:
+        predictions: by the unknowns.
+        measured: values ``(n,)``; series: what they belong to.
+        unknowns: that are sought.
+        starts: number of starts; the further ones are spread between the bounds (Latin hypercube).
+        robust: let large residuals count less (Huber).
+        coloured: whether noise may be correlated in time.
+        seed: of the further starts.
+        report: called with a sentence after every search.
+
+    Raises:
+        SolveError: no start can be evaluated.
+    """
+    scaled = Scaled(predictions, unknowns)
+    first = _first_noise(series)
+    found: list[tuple[float, Floats]] = []
+    failed: SolveError | None = None
+    for number, start in enumerate(_starts(unknowns, starts, seed)):
+        try:
+            z = searched(scaled, measured, first, unknowns.bounds, start, unknowns.start, robust=robust)
+            white = first.whitened(measured - scaled.values(z))
+        except SolveError as error:
+            failed = error
+            continue
+        found.append((float(white @ white), z))
+        if report is not None:
+            report(f"start {number + 1} of {starts}: sum of squares {found[-1][0]:.6g}")
+    if not found:
+        assert failed is not None
+        raise failed
+    least, z = min(found, key=lambda pair: pair[0])
+    agreeing = sum(square <= least * (1.0 + SAME) + 1e-12 for square, _ in found)
+    return _weighted(scaled, measured, series, unknowns, z, starts, agreeing, robust, coloured)
+
+
+def _weighted(
+    scaled: Scaled,
+    measured: Floats,
+    series: Sequence[Series],
+    unknowns: Unknowns,
+    z: Floats,
+    starts: int,
+    agreeing: int,
+    robust: bool,
+    coloured: bool,
+) -> Estimate:
+    """Estimate the noise and seek again from z, until both agree."""
+    noise = _first_noise(series)
+    predicted, slopes = scaled.values(z), scaled.jacobian(z)
+    for _ in range(ROUNDS):
+        used = leverage(noise.whitened(slopes))
+        noise = noise_of(series, measured - predicted, used, coloured=coloured, robust=robust)
+        white = noise.whitened(slopes)
+        step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
+        far = float(np.linalg.norm(white @ step))
+        if far < SETTLED:
+            break
+        if far < NEAR:
+            z = z + step
+            predicted = scaled.values(z)
+            continue
+        moved = searched(scaled, measured, noise, unknowns.bounds, z + step, unknowns.start)
+        if not np.array_equal(moved, z):
+            z, predicted, slopes = moved, scaled.values(moved), scaled.jacobian(moved)
+    return Estimate(
+        unknowns,
+        z,
+        measured,
+        predicted,
+        slopes,
+        noise,
+        scaled.accuracy,
+        starts,
+        agreeing,
+        scaled.evaluations,
+    )
+
+
+def leverage(white: Floats) -> Floats:
+    """Return how much of every value a fit takes up: the diagonal of its hat matrix ``(n,)``."""
+    size = np.linalg.norm(white, axis=0)
+    left, values, _ = np.linalg.svd(white / np.where(size > 0.0, size, 1.0), full_matrices=False)
+    kept = values > 1e-10 * values.max(initial=0.0)
+    return np.asarray(np.sum(left[:, kept] ** 2, axis=1))
+
+
+def _bounded_step(unknowns: Unknowns, z: Floats, white: Floats, residual: Floats) -> Floats:
+    """Return the Gauss-Newton step, kept within the bounds; what the data do not tell is held."""
+    low, high = unknowns.bounds
+    rows = np.concatenate([white, HELD * np.eye(len(z))])
+    step = np.linalg.lstsq(rows, np.append(residual, HELD * (unknowns.start - z)), rcond=1e-14)[0]
+    inside = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+    return np.asarray(np.clip(z + step, low + inside, high - inside) - z)
+
+
+def searched(
+    scaled: Scaled,
+    measured: Floats,
+    noise: Noise,
+    bounds: tuple[Floats, Floats],
+    start: Floats,
+    held: Floats,
+    *,
+    robust: bool = False,
+) -> Floats:
+    """Return where the weighted sum of squares is least, from a start on.
+
+    Args:
+        scaled: predictions; measured: what they are compared with; noise: that weighs them.
+        bounds: of the coordinates; start: of the search.
+        held: where those coordinates stay that the data do not tell.
+        robust: let large residuals count less.
+    """
+    if not len(start):
+        return start
+    low, high = bounds
+    room = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+
+    start = np.clip(start, low + room, high - room)
+    origin = start - REGION  # SciPy's first trust region is the size of what it starts from
+    first = noise.whitened(scaled.values(start) - measured)
+    refused = 10.0 * (np.abs(first) + float(np.abs(first).max(initial=0.0)))
+
+    def residual(steps: Floats) -> Floats:
+        try:
+            white = noise.whitened(scaled.values(origin + steps) - measured)
+        except (
+            SolveError,
+            InputError,
+        ):  # there is no solution there: too far, the search takes a smaller step
+            white = refused
+        return np.append(white, HELD * (origin + steps - held))
+
+    followed = Followed(
+        residual,
+        lambda steps: np.concatenate(
+            [noise.whitened(scaled.jacobian(origin + steps, rough=True)), HELD * np.eye(len(steps))]
+        ),
+    )
+
+    tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-5))
+    found = least_squares(
+        residual,
+        np.full(len(start), REGION),
+        followed.slopes,
+        bounds=(low - origin, high - origin),
+        x_scale=1.0,
+        ftol=tolerance,
+        xtol=1e-8,
+        gtol=1e-12,
+        loss="soft_l1" if robust else "linear",
+        f_scale=0.1 if robust else 1.0,
+        max_nfev=60,
+    )
+    return np.asarray(origin + found.x)
+
+
+def _first_noise(series: Sequence[Series]) -> Noise:
+    """Return the noise before anything is known of it: as it was told, or a part of the values' spread."""
+    return Noise(tuple(series), tuple(SeriesNoise(1.0) for _ in series))
+
+
+def _starts(unknowns: Unknowns, count: int, seed: int) -> list[Floats]:
+    """Return the given start and others between the bounds, or within a factor of ten of the start."""
+    start = unknowns.start
+    low, high = unknowns.bounds
+    if count <= 1:
+        return [start]
+    near = np.array([np.log(10.0) if one.logarithmic else 1.0 for one in unknowns])
+    low, high = np.maximum(low, start - near), np.minimum(high, start + near)
+    spread = qmc.LatinHypercube(len(unknowns), seed=seed).random(count - 1)
+    return [start, *(low + part * (high - low) for part in spread)]

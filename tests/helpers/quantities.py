@@ -1,0 +1,19 @@
+"""Functions of results that other processes find, for sweeps."""
+
+import os
+import signal
+from pathlib import Path
+
+
+def tip_at_end(result):
+    """Displacement of the tip along y in the last state."""
+    return result.history("beam.end", "displacement").values[-1, 1]
+
+
+def ends_its_process_once(result):
+    """1, but the second member of a sweep, whose damping it is known by, kills its process the first time."""
+    mark = Path(os.environ["ENDS_ONCE"])
+    if '"shear_time": 0.02' in result.data.attrs["case"] and not mark.exists():
+        mark.touch()
+        os.kill(os.getpid(), signal.SIGKILL)
+    return 1.0

@@ -1,0 +1,190 @@
+"""Ensembles against closed forms: the Ishigami function, a beam whose load and modulus are lognormal."""
+
+import math
+
+import numpy as np
+import pytest
+import scipy.stats
+from typer.testing import CliRunner
+
+import viscorod as vr
+from helpers.strip import content
+from viscorod.analyses.ensemble import _saltelli_rows
+from viscorod.analyses.sweeps.points import points_of, uniform_points
+from viscorod.casefile.case import case_from_dict
+from viscorod.cli.app import app
+from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.sweep_result import Sweep, SweepRun
+
+FORCE, MODULUS = "loads[0].value[1]", "materials.rubber.youngs_modulus"
+TIP = {"tip": ("displacement", "beam.end", "y")}
+SPREAD = {
+    FORCE: scipy.stats.lognorm(0.3, scale=1e-4),
+    MODULUS: scipy.stats.lognorm(0.1, scale=1e6),
+}
+
+
+@pytest.fixture
+def held():
+    return case_from_dict(content("equilibrium"))
+
+
+@pytest.fixture(scope="module")
+def beam():
+    """A beam that stays linear: its tip is F L^3 / 3 E I (1 + shear), a lognormal number of deviation sqrt(0.1)."""
+    case = case_from_dict(content("equilibrium"))
+    return vr.ensemble(case, SPREAD, 16, quantities=TIP, seed=3, indices=True, workers=1, errors=2)
+
+
+def ishigami(n, seed):
+    """f = sin x1 + 7 sin^2 x2 + 0.1 x3^4 sin x1, of uniform numbers from -pi to pi (Ishigami and Homma 1990)."""
+    distributions = dict.fromkeys("abc", scipy.stats.uniform(-math.pi, 2.0 * math.pi))
+    rows = points_of(_saltelli_rows(uniform_points(n, 6, seed), 3), distributions)
+    x, y, z = rows.values()
+    values = np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
+    members = [
+        SweepRun(k, {key: rows[key][k] for key in rows}, None, "", "completed", {"f": value})
+        for k, value in enumerate(values)
+    ]
+    return Ensemble.of_sweep(Sweep(members), Design(("a", "b", "c"), ("uniform",) * 3, n, seed, True)), values
+
+
+def test_indices_of_the_ishigami_function():
+    """Closed forms: variance 13.8446; first indices 0.3139, 0.4424, 0; total ones 0.5576, 0.4424, 0.2437."""
+    found, values = ishigami(1024, 1)
+    table = found.indices().loc["f"]
+    np.testing.assert_allclose(table["first"], [0.3139, 0.4424, 0.0], atol=0.02)
+    np.testing.assert_allclose(table["total"], [0.5576, 0.4424, 0.2437], atol=0.02)
+    for kind in ("first", "total"):
+        assert (table[f"{kind}_lower"] < table[kind]).all()
+        assert (table[kind] < table[f"{kind}_upper"]).all()
+        assert (table[f"{kind}_upper"] - table[f"{kind}_lower"] < 0.3).all()
+    rows = values.reshape(-1, 5)
+    given = {"f_A": rows[:, 0][None], "f_B": rows[:, 1][None], "f_AB": rows[:, 2:].T[:, None, :]}
+    other = scipy.stats.sobol_indices(func=given, n=1024)
+    np.testing.assert_allclose(table["first"], other.first_order, rtol=1e-12, atol=1e-14)
+    np.testing.assert_allclose(table["total"], other.total_order, rtol=1e-12, atol=1e-14)
+    assert found.moments().loc["f", "mean"] == pytest.approx(3.5, abs=0.02)
+    assert found.moments().loc["f", "deviation"] == pytest.approx(math.sqrt(13.8446), rel=0.02)
+
+
+def test_quantiles_of_a_lognormal_tip(beam):
+    """ln tip has the deviation sqrt(0.3^2 + 0.1^2); indices (e^a - 1)/(e^(a + b) - 1) of a product of lognormals."""
+    a, b = 0.09, 0.01
+    median = 1e-4 * 0.3**3 / (3.0 * 1e6 * 0.01**4 / 12.0) * (1.0 + 0.5 * 1.3 * (0.01 / 0.3) ** 2 * 6 / 5)
+    exact = scipy.stats.lognorm(math.sqrt(a + b), scale=median)
+    table = beam.quantiles((0.25, 0.5, 0.75)).loc["tip"]
+    for level, row in table.iterrows():
+        assert row["lower"] <= exact.ppf(level) <= row["upper"]
+        assert row["value"] == pytest.approx(exact.ppf(level), rel=0.1)
+    indices = beam.indices().loc["tip"]
+    first = [math.expm1(a) / math.expm1(a + b), math.expm1(b) / math.expm1(a + b)]
+    np.testing.assert_allclose(indices["first"], first, atol=0.2)
+    assert (indices["first_lower"] < first).all()
+    assert (first < indices["first_upper"]).all()
+    assert beam.quantiles((0.001,)).iloc[0]["lower"] == -np.inf
+
+
+def test_an_ensemble_is_kept(beam, tmp_path):
+    loaded = vr.load(beam.save(tmp_path / "ensemble.nc"))
+    assert isinstance(loaded, vr.Ensemble)
+    assert loaded.report() == beam.report()
+    assert loaded.design == beam.design
+    for words in ("64 members, 64 completed", "lognorm(0.3, scale=0.0001)", "first half", "Sobol' indices"):
+        assert words in beam.report()
+    for path in (beam.plot(tmp_path / "quantiles.png"), beam.plot_indices(tmp_path / "indices.svg")):
+        assert path.stat().st_size > 5000
+
+
+def test_a_larger_ensemble_goes_on_with_a_smaller_one(held, tmp_path):
+    given = {"quantities": TIP, "workers": 1, "seed": 5, "errors": 1}
+    small = vr.ensemble(held, SPREAD, 4, folder=tmp_path / "e", **given)
+    lines = [path.read_text().count("name") for path in (tmp_path / "e" / "members").iterdir()]
+    large = vr.ensemble(held, SPREAD, 8, folder=tmp_path / "e", **given)
+    again = [path.read_text().count("name") for path in (tmp_path / "e" / "members").iterdir()]
+    assert (sum(lines), sum(again)) == (4, 8)
+    assert (
+        large.table()[:4]
+        .drop(columns=["wall_time_s", "mesh_error"])
+        .equals(small.table().drop(columns=["wall_time_s", "mesh_error"]))
+    )
+    assert large.table()["tip"].tolist() == vr.ensemble(held, SPREAD, 8, **given).table()["tip"].tolist()
+    assert vr.load(tmp_path / "e").report() == large.report()
+
+
+def test_a_gaussian_copula():
+    """Correlated normals have the correlation itself; a lognormal made of one keeps its quantiles and its ranks."""
+    uniform = uniform_points(4096, 2, 1)
+    kinds = {"x": scipy.stats.norm(2.0, 3.0), "y": scipy.stats.lognorm(0.5)}
+    points = points_of(uniform, kinds, [[1.0, -0.7], [-0.7, 1.0]])
+    assert np.corrcoef(points["x"], np.log(points["y"]))[0, 1] == pytest.approx(-0.7, abs=0.01)
+    spearman = scipy.stats.spearmanr(points["x"], points["y"]).statistic
+    assert spearman == pytest.approx(6.0 / math.pi * math.asin(-0.35), abs=0.01)
+    for key, kind in kinds.items():
+        np.testing.assert_allclose(
+            np.quantile(points[key], (0.1, 0.5, 0.9)), kind.ppf((0.1, 0.5, 0.9)), rtol=0.02
+        )
+
+
+def test_failed_members_are_left_out_of_indices():
+    found, _ = ishigami(64, 2)
+    members = list(found.members)
+    members[7] = SweepRun(7, members[7].values, None, "it broke", "failed")
+    lacking = Ensemble.of_sweep(Sweep(members), found.design)
+    whole = Ensemble.of_sweep(
+        Sweep([m for k, m in enumerate(found.members) if k // 5 != 1]), Design("abc", ("",) * 3, 63, 2, True)
+    )
+    assert lacking.indices()[["first", "total"]].equals(whole.indices()[["first", "total"]])
+    assert len(lacking.values("f")) == 128
+    assert "member 7: it broke" in lacking.report()
+
+
+WRONG = [
+    ({"n": 100}, "n: 100: Sobol' points are balanced in powers of two only; give 128"),
+    ({"seed": -1}, "seed: -1: a whole number from 0 on"),
+    ({"distributions": {FORCE: 3.0}}, "this is no distribution; give a frozen distribution of SciPy"),
+    ({"distributions": {FORCE: scipy.stats.norm(0.0, -1.0)}}, "its parameters give no numbers"),
+    ({"distributions": {}}, "keys of the case file with their distributions are needed"),
+    ({"quantities": {}}, "there is nothing to tell of"),
+    ({"correlation": [[1.0, 2.0], [2.0, 1.0]]}, "it is not positive definite"),
+    ({"correlation": [1.0, 0.5]}, "no matrix of the correlations of 2 numbers"),
+    ({"correlation": np.eye(2), "indices": True}, "parts of a variance belong to independent numbers"),
+    ({"distributions": {"rods.beam.lenght": SPREAD[FORCE]}}, "no such key"),
+]
+
+
+@pytest.mark.parametrize(("changes", "words"), WRONG)
+def test_what_is_wrong_is_refused(held, changes, words):
+    given = {"distributions": SPREAD, "n": 8, "quantities": TIP, "workers": 1} | changes
+    with pytest.raises(vr.InputError) as caught:
+        vr.ensemble(held, **given)
+    assert words in str(caught.value)
+
+
+def test_a_fan_of_histories(tmp_path):
+    case = case_from_dict(content("simulate", duration=0.1, time_step=0.01))
+    way = {"way": ("displacement", "beam.end", "y", "history")}
+    found = vr.ensemble(
+        case, {FORCE: scipy.stats.uniform(5e-4, 1e-3)}, 4, quantities=way, workers=1, errors=1
+    )
+    assert found.data["way"].shape == (4, 201)
+    start = found.data["way"].values[:, 0]
+    assert np.argsort(start).tolist() == np.argsort(found.data[FORCE].values).tolist()
+    assert found.plot_fan(tmp_path / "fan.png", "way").stat().st_size > 5000
+    with pytest.raises(vr.InputError, match="is no history"):
+        found.plot_fan(tmp_path / "fan.png", "tip")
+
+
+def test_command_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    assert CliRunner().invoke(app, ["example", "bend_45"]).exit_code == 0
+    arguments = ["ensemble", "bend_45.toml", "--draw", "loads[0].value[2]=norm(300, scale=10)", "-n", "8"]
+    asked = ["--quantity", "tip=displacement bend.end z", "--workers", "1", "--set", "rods.bend.elements=2"]
+    found = CliRunner().invoke(app, [*arguments, *asked])
+    assert found.exit_code == 0, found.output
+    assert "8 members, 8 completed" in found.stdout
+    assert "norm(300, scale=10)" in found.stdout
+    assert len(vr.load(tmp_path / "out" / "bend_45" / "ensemble").values("tip")) == 8
+    for wrong in ("loads[0].value[2]", "loads[0].value[2]=nrom(1, 2)", "loads[0].value[2]=norm(a)"):
+        refused = CliRunner().invoke(app, ["ensemble", "bend_45.toml", "--draw", wrong, *asked])
+        assert refused.exit_code == 2, refused.output

@@ -1,0 +1,318 @@
+"""Numbers of rods from records: synthetic truth, what cannot be told, several cases at once, the file and the page."""
+
+import re
+import tomllib
+
+import numpy as np
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.toml_text import toml_text
+from viscorod.cli.app import app
+from viscorod.errors import InputError
+
+YOUNG, SHEAR, BULK = (
+    "materials.rubber.youngs_modulus",
+    "materials.rubber.damping.shear_time",
+    "materials.rubber.damping.bulk_time",
+)
+DENSITY = "materials.rubber.density"
+BOTH = f"{SHEAR}, {BULK}"
+TRUE = {
+    "youngs_modulus": 1e6,
+    "poissons_ratio": 0.3,
+    "density": 1000.0,
+    "damping": {"shear_time": 0.02, "bulk_time": 0.02},
+}
+
+
+def content(analysis, load=0.02, **material):
+    return {
+        "title": "strip",
+        "materials": {"rubber": {**TRUE, **material}},
+        "rods": {
+            "beam": {
+                "shape": "straight",
+                "start": [0.0, 0.0, 0.0],
+                "end": [0.3, 0.0, 0.0],
+                "section": {"shape": "rectangle", "width": 0.01, "height": 0.01},
+                "material": "rubber",
+                "elements": 1,
+                "order": 5,
+            }
+        },
+        "supports": [{"kind": "clamp", "at": "beam.start"}],
+        "loads": [{"kind": "force", "at": "beam.end", "value": [0.0, load, 0.0], "until": 0.0}],
+        **analysis,
+    }
+
+
+def swing(load=0.02, **material):
+    return case_from_dict(content({"simulate": {"duration": 1.0, "tolerance": 1e-5}}, load, **material))
+
+
+def history(case, name="tip", size=2e-3, seed=0, release=None, **more):
+    times = np.linspace(0.0, 1.0, 100)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": name}
+    clock = vr.Record(times, np.zeros(100), **about, unknown=["release_time"])
+    clean = clock.predicted(run_case(case), {f"{name}.release_time": release or 0.0})
+    return vr.Record(times, clean + size * np.random.default_rng(seed).normal(size=100), **about, **more)
+
+
+@pytest.fixture(scope="module")
+def two_times():
+    """The swing with both times unknown: bending tells one combination of them."""
+    return vr.identify(swing(youngs_modulus=1.2e6), history(swing()), {YOUNG: None, SHEAR: 0.03, BULK: 0.03})
+
+
+def test_shear_and_bulk_time_cannot_be_separated_and_the_extensional_time_can(two_times):
+    assert two_times[YOUNG].low <= 1e6 <= two_times[YOUNG].high
+    assert two_times[YOUNG].told
+    for key in (SHEAR, BULK):
+        assert (two_times[key].low, two_times[key].high) == (0.0, np.inf)
+    tau = two_times.combinations["extensional time of beam"]
+    exact = swing().description.rods["beam"].material.extensional_time
+    assert tau.low <= exact <= tau.high
+    assert tau.high - tau.low < 0.15 * exact
+    (sentence,) = [text for text in two_times.sentences if "cannot be separated" in text]
+    assert re.search(r"extensional time of beam can: 0\.0\d+ \+- 0\.00\d+ s", sentence)
+
+
+def test_a_fit_comes_back_from_its_file_with_its_case(two_times, tmp_path):
+    found = vr.load(two_times.save(tmp_path / "fit.nc"))
+    assert isinstance(found, vr.Identification)
+    assert found.report() == two_times.report()
+    assert found.numbers == two_times.numbers
+    material = found.case.description.rods["beam"].material
+    assert material.youngs_modulus == found[YOUNG].value
+    predicted = history(found.case, size=0.0).observed
+    np.testing.assert_allclose(predicted, found.data["predicted"].values, atol=1e-9)
+
+
+def test_the_page_is_one_file_that_needs_no_network(two_times, tmp_path):
+    text = two_times.page(tmp_path / "fit.html").read_text(encoding="utf-8")
+    assert text.count("<svg") == 4
+    assert not re.search(r"(src|href)=\"https?:", text.replace("http://www.w3.org", ""))
+    for words in ("not told", "infinite", "extensional time of beam", "youngs_modulus = "):
+        assert words in text
+
+
+def test_one_time_to_the_bound_of_cramer_and_rao_and_in_other_programs_numbers():
+    """With white noise of known size the covariance is sigma^2 (J^T J)^-1, here by differences of its own."""
+    record = history(swing(), size=1e-3, seed=4)
+    fit = vr.identify(swing(), record, {YOUNG: None, BOTH: 0.015})
+    columns = []
+    for change in (
+        {"youngs_modulus": 1e6 * np.exp(1e-3)},
+        {"damping": {"shear_time": 0.02 * np.exp(1e-3), "bulk_time": 0.02 * np.exp(1e-3)}},
+    ):
+        columns.append(
+            (history(swing(**change), size=0.0).observed - history(swing(), size=0.0).observed) / 1e-3
+        )
+    bound = 1e-3 * np.sqrt(np.diag(np.linalg.inv(np.stack(columns) @ np.stack(columns).T)))
+    numbers = fit.parameters.values()
+    relative = [one.standard_error / one.value for one in numbers]
+    size = np.sqrt(np.sum(fit.residuals**2) / (100 - 2)) / 1e-3  # the noise of this very record
+    np.testing.assert_allclose(relative, size * bound, rtol=0.03)
+    assert [one.low <= true <= one.high for one, true in zip(numbers, (1e6, 0.02), strict=True)] == [
+        True,
+        True,
+    ]
+    mujoco = next(one for name, one in fit.in_programs.items() if name.startswith("MuJoCo"))
+    stiffness = 1e6 * 0.01**4 / 12.0 / (0.3 / 20)  # E I over the length of a segment, times the time
+    assert mujoco.value == pytest.approx(stiffness * fit[YOUNG].value / 1e6 * fit[BOTH].value, rel=1e-3)
+    assert mujoco.low < mujoco.value < mujoco.high
+
+
+def test_two_loads_at_once_with_a_release_time_of_their_own():
+    records = []
+    for name, load, release in (("light", 0.01, 0.03), ("heavy", 0.03, 0.05)):
+        unknown = [vr.Unknown("release_time", 0.02, low=0.0, high=0.1)]
+        record = history(swing(load), name, 1e-3, 5, release, unknown=unknown)
+        records.append((swing(load, youngs_modulus=1.03e6), record))
+    fit = vr.identify(records, parameters={YOUNG: None, BOTH: 0.018}, profile=False)
+    for name, true in (
+        (YOUNG, 1e6),
+        (BOTH, 0.02),
+        ("light.release_time", 0.03),
+        ("heavy.release_time", 0.05),
+    ):
+        one = fit[name]
+        assert abs(one.value - true) < 4.0 * one.standard_error
+        assert one.told
+    assert list(fit.nuisances) == ["light.release_time", "heavy.release_time"]
+    assert len(fit.cases) == 2
+
+
+def modes_case(**material):
+    return case_from_dict(content({"modes": {"count": 6, "about": "reference"}}, **material))
+
+
+def test_frequencies_tell_stiffness_over_mass_and_ratios_tell_the_time():
+    """Frequencies go with the root of E/rho: its factors cannot be told, their ratio can; zeta = omega tau/2."""
+    true = run_case(modes_case())
+    rng = np.random.default_rng(1)
+    hertz, ratios = true.frequencies[:6], true.damping_ratios[:6]
+    record = vr.ModesRecord(
+        hertz * (1.0 + 1e-3 * rng.normal(size=6)), ratios * (1.0 + 1e-2 * rng.normal(size=6))
+    )
+    fit = vr.identify(
+        modes_case(youngs_modulus=1.5e6), record, {YOUNG: None, DENSITY: 1200.0, BOTH: 0.01}, profile=False
+    )
+    assert not fit[YOUNG].told
+    assert not fit[DENSITY].told
+    assert fit[BOTH].low < 0.02 < fit[BOTH].high
+    sound = fit.combinations["speed of sound in beam"]
+    assert sound.low < np.sqrt(1e6 / 1000.0) < sound.high
+    assert sound.high - sound.low < 0.01 * sound.value
+    assert fit[BOTH].high - fit[BOTH].low < 0.1 * fit[BOTH].value
+
+
+def test_static_loads_give_the_stiffness():
+    def static(**material):
+        return case_from_dict(content({"equilibrium": {"load_steps": 5}}, **material))
+
+    loads = np.linspace(0.2, 1.0, 5)
+    about = {"place": "beam.end", "direction": "y", "noise": 1e-4}
+    true = vr.StaticRecord(loads, np.zeros(5), **about).predicted(run_case(static()))
+    record = vr.StaticRecord(loads, true + 1e-4 * np.random.default_rng(3).normal(size=5), **about)
+    fit = vr.identify(static(youngs_modulus=0.7e6), record, [YOUNG])
+    assert fit[YOUNG].low < 1e6 < fit[YOUNG].high
+    assert fit[YOUNG].high - fit[YOUNG].low < 0.01e6
+
+
+@pytest.mark.parametrize(
+    ("parameters", "words"),
+    [
+        ({"materials.rubber.youngs": 1e6}, "no case has a number there"),
+        ({YOUNG: (2e6, 1e6, 3e6)}, "low <= start <= high"),
+        ({YOUNG: "stiff"}, "a start, or low, start and high"),
+        ({}, "nothing is sought"),
+        ({"rods.beam.section": 1.0}, "not one number"),
+        ({"materials.rubber.youngs modulus": 1.0}, "not a key"),
+    ],
+)
+def test_wrong_keys_and_ranges_are_refused(parameters, words):
+    with pytest.raises(InputError, match=words):
+        vr.identify(swing(), history(swing()), parameters)
+
+
+def test_records_of_one_name_and_what_is_none_are_refused():
+    record = history(swing())
+    with pytest.raises(InputError, match="another record has this name"):
+        vr.identify(swing(), [record, record], [YOUNG])
+    with pytest.raises(InputError, match="no record"):
+        vr.identify(swing(), 3.0, [YOUNG])
+    with pytest.raises(InputError, match="level"):
+        vr.identify(swing(), record, [YOUNG], level=1.5)
+
+
+LAWS = {
+    "kelvin_voigt": {"shear_time": 0.01, "bulk_time": 0.01},
+    "flat_loss": {"kind": "loss_factor", "extension": 0.06, "band": [0.3, 300.0]},
+}
+
+
+def ratios_of(law):
+    """A table of four modes of a strip with a law, noise 0.1 % of frequencies and 3 % of ratios."""
+    true, rng = run_case(modes_case(damping=LAWS[law])), np.random.default_rng(2)
+    hertz, ratios = (values[:4] for values in (true.frequencies, true.damping_ratios))
+    return vr.ModesRecord(
+        hertz * (1.0 + 1e-3 * rng.normal(size=4)),
+        ratios * (1.0 + 0.03 * rng.normal(size=4)),
+        frequency_noise=1e-3 * hertz,
+        ratio_noise=0.03 * ratios,
+    )
+
+
+@pytest.mark.parametrize(("best", "excluded"), [("kelvin_voigt", "flat_loss"), ("flat_loss", "kelvin_voigt")])
+def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
+    """Ratios that grow with the frequency are a viscosity's, those that do not are a flat loss factor's."""
+    words = ["elastic", "kelvin_voigt", "flat_loss"]
+    fit = vr.identify(modes_case(), ratios_of(best), {YOUNG: None, BOTH: 0.01}, profile=False, laws=words)
+    assert fit.laws[0].name == best
+    (sentence,) = [text for text in fit.sentences if text.startswith("Excluded")]
+    assert excluded in sentence
+    assert "elastic" in sentence
+    assert best not in sentence
+    assert "Laws on the same data" in fit.report()
+
+
+def test_laws_that_there_are_not_are_refused():
+    for laws, words in (
+        (["honey"], "no such law"),
+        (["elastic + flat_loss"], "two laws"),
+        (["branches 9"], "no such law"),
+    ):
+        with pytest.raises(InputError, match=words):
+            vr.identify(modes_case(), ratios_of("kelvin_voigt"), [YOUNG], profile=False, laws=laws)
+
+
+FIT = """
+case = "strip.toml"
+profile = false
+
+[parameters]
+"materials.rubber.youngs_modulus" = [3e5, 7e5, 3e6]
+
+[[records]]
+kind = "static"
+file = "pull.csv"
+load = "F"
+value = "w"
+full_load = 0.02
+place = "beam.end"
+direction = "y"
+noise = 1e-4
+"""
+
+
+@pytest.fixture
+def fit_folder(tmp_path):
+    case = case_from_dict(content({"equilibrium": {"load_steps": 5}}))
+    (tmp_path / "strip.toml").write_text(toml_text(case.content))
+    moved = run_case(case).probe("beam.end")["displacement"].values[:, 0, 1]
+    rows = [f"{0.004 * (k + 1):.4f};{1e3 * w:.5f}" for k, w in enumerate(moved)]
+    (tmp_path / "pull.csv").write_text("\n".join(["F [N];w [mm]", *rows]))
+    (tmp_path / "fit.toml").write_text(FIT)
+    return tmp_path
+
+
+def test_the_command_reads_a_file_and_writes_all(fit_folder):
+    out = fit_folder / "out"
+    done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml"), "-o", str(out)])
+    assert done.exit_code == 0, done.output
+    assert "Numbers of the model" in done.output
+    assert sorted(path.name for path in out.iterdir()) == ["case.toml", "fit.html", "fit.nc", "fit.png"]
+    fitted = vr.load_case(out / "case.toml").description.rods["beam"].material
+    assert fitted.youngs_modulus == pytest.approx(1e6, rel=1e-4)
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "words"),
+    [
+        ('case = "strip.toml"', "", "the path of a case file is needed"),
+        ("profile = false", "profiles = false", "no such key"),
+        ("profile = false", "starts = 1.5", "a whole number is needed"),
+        ('load = "F"', 'load = "G"', "G"),
+        ('kind = "static"', 'kind = "dynamic"', "no kind of record"),
+        ("[[records]]", "[[record]]", "at least one is needed"),
+    ],
+)
+def test_what_is_wrong_in_a_file_is_told(fit_folder, old, new, words):
+    (fit_folder / "fit.toml").write_text(FIT.replace(old, new))
+    done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml")])
+    assert done.exit_code != 0
+    assert words in done.output
+
+
+def test_content_as_toml_reads_back_as_it_was():
+    given = content(
+        {"simulate": {"duration": 1.0}},
+        damping={"kind": "prony", "extension_ratios": [0.1], "extension_times": [1.0]},
+    )
+    given["title"] = 'a "quoted" title\n'
+    assert tomllib.loads(toml_text(given)) == given

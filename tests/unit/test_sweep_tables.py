@@ -1,0 +1,337 @@
+"""Sweeps as tables: products of values, named numbers, records on disk, any executor."""
+
+import json
+from concurrent.futures import ProcessPoolExecutor, ThreadPoolExecutor
+
+import numpy as np
+import pandas as pd
+import pytest
+from typer.testing import CliRunner
+
+import viscorod as vr
+import viscorod.analyses.sweep
+from helpers.quantities import ends_its_process_once, tip_at_end
+from helpers.strip import content
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
+from viscorod.cli.app import app
+
+SHEAR = "materials.rubber.damping.shear_time"
+FORCE = "loads[0].value[1]"
+TIP = ("displacement", "beam.end", "y", "last")
+
+
+@pytest.fixture
+def held():
+    return case_from_dict(content("equilibrium"))
+
+
+@pytest.fixture
+def swing():
+    return case_from_dict(content("simulate", duration=0.1, time_step=0.01, output_interval=0.02))
+
+
+def test_a_product_with_rows_and_constants(held):
+    """Every combination, rows slowest; tips are those of the linear beam, F L^3 / 3 E I, while they are small."""
+    sweep = vr.sweep(
+        held,
+        {FORCE: [1e-4, 2e-4]},
+        grid={"materials.rubber.youngs_modulus": [1e6, 2e6], "sections.thin.height": [0.01, 0.02]},
+        constants={"rods.beam.elements": 2},
+        quantities={"tip": TIP, "twice": "displacement beam.end y max_abs", "mine": tip_at_end},
+        workers=1,
+    )
+    table = sweep.table()
+    assert list(table.columns[:7]) == [
+        FORCE, "materials.rubber.youngs_modulus", "sections.thin.height", "rods.beam.elements", "tip", "twice", "mine",
+    ]  # fmt: skip
+    assert table[FORCE].tolist() == [1e-4] * 4 + [2e-4] * 4
+    assert table["sections.thin.height"].tolist() == [0.01, 0.02] * 4
+    inertia = 0.01 * table["sections.thin.height"] ** 3 / 12.0
+    other = table["sections.thin.height"] * 0.01**3 / 12.0
+    deflection = table[FORCE] * 0.3**3 / (3.0 * table["materials.rubber.youngs_modulus"])
+    ratio = table["tip"] / deflection
+    axis = inertia if abs(ratio[1] * inertia[1] - 1.0) < 0.1 else other
+    np.testing.assert_allclose(ratio * axis, 1.0, rtol=0.02)  # and a little shear
+    assert table["twice"].tolist() == table["tip"].tolist() == table["mine"].tolist()
+    assert set(table["outcome"]) == {"completed"}
+    assert sweep.members[0].result is None
+    assert "position" not in sweep.data
+    assert sweep.data["tip"].dims == ("member",)
+
+
+def test_numbers_are_those_of_the_result_alone(swing):
+    quantities = {
+        "tip": TIP,
+        "at": ("velocity", "beam@0.15", "y", 0.05),
+        "moment": ("section_force", "beam.start", "bend_1", "max_abs"),
+        "pull": ("reaction", "beam.start", "mz", "range"),
+        "speed": ("velocity", "beam.end", "size", "rms"),
+        "lost": ("energy", "viscous", "last"),
+        "way": ("displacement", "beam.end", "y", "history"),
+    }
+    sweep = vr.sweep(swing, {SHEAR: [0.01, 0.02]}, quantities=quantities, workers=1)
+    alone = run_case(swing)
+    row = sweep.table().loc[1]
+    there = alone.probe(["beam.end", "beam@0.15"], [0.05])
+    assert row["at"] == there["velocity"].values[0, 1, 1]
+    assert row["tip"] == alone.history("beam.end", "displacement").values[-1, 1]
+    moments = alone.probe("beam.start")["section_force"].values[:, 0, 3]
+    assert row["moment"] == np.abs(moments).max()
+    assert row["lost"] == alone.energy.viscous[-1]
+    reaction = alone.data["reaction"].sel(support="beam.start", motion="mz").values
+    assert row["pull"] == reaction.max() - reaction.min()
+    speed = np.linalg.norm(alone.history("beam.end", "velocity").values, axis=1)
+    assert row["speed"] == np.sqrt(np.trapezoid(speed**2, alone.time) / 0.1)
+    assert "way" not in row
+    way = sweep.data["way"]
+    assert way.dims == ("member", "instant")
+    np.testing.assert_array_equal(
+        way[1], alone.probe("beam.end", np.linspace(0.0, 0.1, 201))["displacement"].values[:, 0, 1]
+    )
+
+
+def test_rows_of_tables_and_files(held, tmp_path):
+    table = pd.DataFrame({FORCE: [1e-4, 3e-4], "rods.beam.elements": [1, 2]})
+    path = tmp_path / "rows.csv"
+    table.to_csv(path, index=False)
+    vectors = tmp_path / "vectors.csv"
+    pd.DataFrame(
+        {"loads[0].value": ["[0, 1e-4, 0]", "[0.0, 3e-4, 0.0]"], "rods.beam.elements": [1, 2]}
+    ).to_csv(vectors, index=False)
+    tips = [
+        vr.sweep(held, given, quantities={"tip": TIP}, workers=1).table()["tip"].tolist()
+        for given in (table, path, vectors)
+    ]
+    assert tips[0] == tips[1] == tips[2]
+    (tmp_path / "gap.csv").write_text(f"{FORCE},rods.beam.elements\n1e-4,\n")
+    for wrong, words in (
+        ("gap.csv", "cells of rods.beam.elements are empty"),
+        ("none.csv", "cannot be read"),
+    ):
+        with pytest.raises(vr.InputError, match=words):
+            vr.sweep(held, tmp_path / wrong, workers=1)
+
+
+WRONG = [
+    ({"tip": ("displacment", "beam.end", "y", "max")}, "quantities.tip: displacment: no quantity"),
+    ({"tip": ("displacement", "beam.end", "y")}, "more words are needed"),
+    ({"tip": ("displacement", "beam.end", "w", "max")}, "w: no component; give one of x, y, z, size"),
+    ({"tip": ("displacement", "beam.end", "y", "largest")}, "largest: no way to make a number"),
+    ({"tip": ("displacement", "boom.end", "y", "max")}, "quantities.tip: boom.end"),
+    ({"tip": ("frequency", 1)}, "a result of [simulate] has none; it goes with modes, response"),
+    ({"tip": ("decrement", "beam.end", "y", "period", 0)}, "cycles are numbered from 1"),
+    ({SHEAR: TIP}, "one that the table has for something else"),
+    ({"steps": TIP}, "one that the table has for something else"),
+    ({"tip": 3.0}, "no quantity"),
+]
+
+
+@pytest.mark.parametrize(("quantities", "words"), WRONG)
+def test_wrong_quantities_are_refused_before_anything_runs(swing, quantities, words, monkeypatch):
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed"))
+    with pytest.raises(vr.InputError) as caught:
+        vr.sweep(swing, {SHEAR: [0.01, 0.02]}, quantities=quantities, workers=1)
+    assert words in str(caught.value)
+
+
+def test_a_number_that_cannot_be_had_is_missing_and_says_why(swing):
+    def fails(run):
+        raise ZeroDivisionError("nothing there")
+
+    quantities = {
+        "tip": TIP,
+        "ratio": ("decrement", "beam.end", "y"),
+        "mine": fails,
+        "nan": lambda run: np.nan,
+    }
+    sweep = vr.sweep(swing, {SHEAR: [0.01]}, quantities=quantities, workers=1)
+    row = sweep.table().loc[0]
+    assert row["outcome"] == "completed"
+    assert np.isfinite(row["tip"])
+    assert "ratio" not in row
+    for words in (
+        "ratio: beam.end along y passes no complete maximum",
+        "mine: ZeroDivisionError",
+        "nan: nan is not one finite",
+    ):
+        assert words in row["message"]
+        assert words in sweep.report()
+
+
+def test_errors_of_some_members(swing):
+    """Estimates are made beside the motion: without them every other number is the same, bit for bit."""
+    values, quantities = {SHEAR: [0.01, 0.02, 0.03]}, {"tip": TIP, "lost": ("energy", "viscous", "last")}
+    whole = vr.sweep(swing, values, quantities=quantities, workers=1).table()
+    some = vr.sweep(swing, values, quantities=quantities, workers=1, errors=2).table()
+    assert some[["tip", "lost", "steps"]].equals(whole[["tip", "lost", "steps"]])
+    for name in ("mesh_error", "step_error"):
+        assert some[name].notna().tolist() == [True, False, True]
+        assert some[name][[0, 2]].tolist() == whole[name][[0, 2]].tolist()
+    with pytest.raises(vr.InputError, match="errors: -1: a number of members is needed"):
+        vr.sweep(swing, values, workers=1, errors=-1)
+
+
+@pytest.mark.parametrize("fields", [False, True])
+def test_what_is_on_disk_is_not_computed_again(swing, fields, tmp_path, monkeypatch):
+    """A call that stopped half-way: the next one computes the rest, bit for bit what one call gives."""
+    values, folder = {SHEAR: [0.01, 0.02, 0.03]}, tmp_path / "sweep"
+    given = {"quantities": {"tip": TIP}, "fields": fields, "workers": 1}
+    whole = vr.sweep(swing, values, **given)
+    first = vr.sweep(swing, values, **given, folder=folder, members=slice(0, 2))
+    assert [member.outcome for member in first.members] == ["completed", "completed", "not run"]
+    assert vr.load(folder).report() == first.report()
+    lines = next((folder / "members").glob("*.jsonl"))
+    lines.write_text(lines.read_text()[:-20])  # the process was killed while it wrote the second
+    done = []
+
+    def counted(case, **options):
+        done.append(case.content["materials"]["rubber"]["damping"]["shear_time"])
+        return run_case(case, **options)
+
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", counted)
+    second = vr.sweep(swing, values, **given, folder=folder)
+    assert done == [0.02, 0.03]
+    assert second.table()["tip"].tolist() == whole.table()["tip"].tolist()
+    again = vr.sweep(swing, values, **given, folder=folder)
+    assert len(done) == 2
+    for sweep in (again, vr.load(folder)):
+        assert sweep.table().equals(second.table())
+        if fields:
+            assert np.array_equal(sweep.data["position"], whole.data["position"])
+    vr.sweep(
+        swing,
+        values,
+        **given | {"quantities": {"tip": ("displacement", "beam.end", "y", "max")}},
+        folder=folder,
+    )
+    assert len(done) == 5  # other numbers are other members
+
+
+def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):
+    def fails(case, **options):
+        if case.content["materials"]["rubber"]["damping"]["shear_time"] == 0.02:
+            raise vr.SolveError("it broke")
+        return run_case(case, **options)
+
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", fails)
+    given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path}
+    vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given)
+    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed again"))
+    table = vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given).table()
+    assert table["outcome"].tolist() == ["completed", "failed"]
+    assert table["message"].tolist() == ["", "it broke"]
+    assert np.isnan(table["tip"][1])
+
+
+def test_a_saved_sweep_keeps_its_numbers(swing, tmp_path):
+    quantities = {"tip": TIP, "way": ("displacement", "beam.end", "y", "history")}
+    for fields in (False, True):
+        sweep = vr.sweep(swing, {SHEAR: [0.01, 0.02]}, quantities=quantities, fields=fields, workers=1)
+        loaded = vr.load(sweep.save(tmp_path / "sweep.nc"))
+        assert loaded.table().equals(sweep.table())
+        assert loaded.data["way"].equals(sweep.data["way"])
+        if fields:
+            for one, other in zip(sweep.members, loaded.members, strict=True):
+                assert other.result.data.identical(one.result.data)
+
+
+def test_threads_give_the_same_bits(swing, tmp_path):
+    values, quantities = {SHEAR: [0.01, 0.02, 0.03, 0.04, 0.05]}, {"tip": TIP}
+    alone = vr.sweep(swing, values, quantities=quantities, workers=1).table()["tip"].tolist()
+    assert (
+        vr.sweep(swing, values, quantities=quantities, executor="threads:2").table()["tip"].tolist() == alone
+    )
+    with ThreadPoolExecutor(2) as threads:
+        done = []
+        sweep = vr.sweep(swing, values, quantities=quantities, executor=threads, progress=done.append)
+    assert sweep.table()["tip"].tolist() == alone
+    assert done[-1] == 5.0
+
+
+@pytest.mark.parametrize("executor", ["fork", "processes:0", "threads:x", 3])
+def test_what_is_no_executor_is_refused(swing, executor):
+    with pytest.raises(vr.InputError, match="executor"):
+        vr.sweep(swing, {SHEAR: [0.01]}, executor=executor)
+
+
+@pytest.mark.slow
+def test_a_worker_of_any_executor_that_is_killed_loses_nothing(swing, tmp_path, monkeypatch):
+    """The pool breaks; what was done stays, and the next call computes the rest, each member once."""
+    monkeypatch.setenv("ENDS_ONCE", str(tmp_path / "ended"))
+    values, quantities = {SHEAR: [0.01, 0.02, 0.03]}, {"tip": TIP, "mine": ends_its_process_once}
+    given = {"quantities": quantities, "folder": tmp_path / "sweep"}
+    with ProcessPoolExecutor(1) as pool, pytest.raises(vr.SolveError, match="the executor gave up") as caught:
+        vr.sweep(swing, values, executor=pool, **given)
+    assert caught.value.run.members[2].outcome == "not run"
+    with ProcessPoolExecutor(1) as pool:
+        sweep = vr.sweep(swing, values, executor=pool, **given)
+    assert (tmp_path / "ended").exists()
+    assert set(sweep.table()["outcome"]) == {"completed"}
+    lines = "".join(path.read_text() for path in (tmp_path / "sweep" / "members").glob("*.jsonl"))
+    names = [json.loads(line)["name"] for line in lines.splitlines() if line]
+    assert len(names) == len(set(names)) == 3
+    alone = vr.sweep(swing, values, quantities={"tip": TIP}, workers=1)
+    assert sweep.table()["tip"].tolist() == alone.table()["tip"].tolist()
+
+
+def test_command_line(tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    shape = json.dumps([0.0, 1e-3, 0.0])
+    (tmp_path / "strip.toml").write_text(
+        f"""title = "Strip"
+[materials.rubber]
+youngs_modulus = 1.0e6
+poissons_ratio = 0.3
+density = 1000.0
+damping = {{ shear_time = 0.02, bulk_time = 0.02 }}
+[rods.beam]
+shape = "straight"
+start = [0.0, 0.0, 0.0]
+end = [0.3, 0.0, 0.0]
+section = {{ shape = "rectangle", width = 0.01, height = 0.01 }}
+material = "rubber"
+elements = 1
+order = 3
+[[supports]]
+kind = "clamp"
+at = "beam.start"
+[[loads]]
+kind = "force"
+at = "beam.end"
+value = {shape}
+[equilibrium]
+"""
+    )
+    grid = [
+        "--grid",
+        f"{FORCE}=1e-4:3e-4:3",
+        "--grid",
+        "rods.beam.elements=1,2",
+        "--set",
+        "rods.beam.order=2",
+    ]
+    asked = ["--quantity", "tip=displacement beam.end y"]
+    for part in ("0:2", "2:6"):
+        found = CliRunner().invoke(
+            app, ["sweep", "strip.toml", *grid, *asked, "--members", part, "--workers", "1"]
+        )
+        assert found.exit_code == 0, found.output
+    found = CliRunner().invoke(app, ["sweep", "strip.toml", *grid, *asked, "--workers", "1"])
+    assert found.exit_code == 0, found.output
+    assert "6 members, 6 completed" in found.stdout
+    table = pd.read_csv(tmp_path / "out" / "strip" / "sweep.csv")
+    assert table[FORCE].tolist() == pytest.approx([1e-4, 1e-4, 2e-4, 2e-4, 3e-4, 3e-4], rel=1e-15)
+    assert table["rods.beam.order"].tolist() == [2] * 6
+    run = CliRunner().invoke(app, ["run", "strip.toml", "--set", f"{FORCE}=3e-4", "--set", "rods.beam.elements=2",
+                                   "--set", "rods.beam.order=2"])  # fmt: skip
+    assert run.exit_code == 0, run.output
+    result = vr.load(tmp_path / "out" / "strip" / "run.nc")
+    assert result.displacement("beam.end")[1] == table["tip"].iloc[-1]
+    assert json.loads(result.data.attrs["case_changes"]) == {
+        FORCE: 3e-4, "rods.beam.elements": 2, "rods.beam.order": 2,
+    }  # fmt: skip
+    for wrong in (["--grid", "a=1:2:x"], ["--quantity", "tip"], ["--members", "1-2"], ["--scheduler", "x"],
+                  ["--executor", "none"]):  # fmt: skip
+        refused = CliRunner().invoke(app, ["sweep", "strip.toml", "--set", f"{FORCE}=1e-4", *wrong])
+        assert refused.exit_code == 2, refused.output
