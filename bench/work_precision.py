@@ -26,6 +26,8 @@ import numpy as np
 from peers.cases import CASES, INSTALL, Case
 from peers.suite import MODULES, SUITE, available
 
+from viscorod.analyses.warmup import compile_loop
+
 LADDERS: dict[str, tuple[tuple[int, int, float], ...]] = {
     "llt": (
         (1, 4, 2e-2),
@@ -218,6 +220,7 @@ def main() -> None:
     for module, package in MODULES.items():
         if not available(module):
             print(f"{package} is not installed and is left out: {INSTALL}")
+    compile_loop()  # loaded, or compiled, before anything is timed
     results = {name: report(CASES[name]) for name in options.case}
     if options.figure:
         draw(results, options.figure)

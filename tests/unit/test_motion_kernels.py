@@ -227,6 +227,6 @@ def test_kernels_are_called_with_types_that_are_known():
     r0, r = rng.normal(size=(2, 7, 3))
     q0, q = rng.normal(size=(2, 7, 4))
     for twist in (rng.normal(size=(7, 6)), rng.normal(size=(6, 7)).T):
-        call = KnownTypes(motion_extent)
+        known = KnownTypes(motion_extent)
         for length in (1.0, np.float64(0.5), 2.0):
-            assert call(r0, q0, r, q, twist, length) == motion_extent(r0, q0, r, q, twist, length)
+            assert known.call(r0, q0, r, q, twist, length) == motion_extent(r0, q0, r, q, twist, length)

@@ -31,21 +31,23 @@ from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import History
+from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.reduced.reduced_motion import ReducedMotion
+from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.amplitude import PART_OF_MOTION
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
-from viscorod.solve.transient.motion_scale import PART_OF_MOTION, PartOfMotion, Tolerance
+from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
@@ -126,7 +128,6 @@ def _motion(
     def after_step() -> str:
         if options.derivatives:
             ends.append(integrator.t)
-        discrete.watch.note(stream.start, integrator.t, integrator.snapshot)
         if written is not None:
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
@@ -141,6 +142,8 @@ def _motion(
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
+        patient=not options.derivatives and (options.stop is None or getattr(options.stop, "patient", False)),
+        notes=_Noted(discrete.watch, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
     interrupted = result.outcome is Outcome.INTERRUPTED
@@ -183,6 +186,21 @@ def _motion(
     if message:
         raise SolveError(message, run)
     return run
+
+
+class _Noted:
+    """Lets the mesh watch note states of a motion."""
+
+    def __init__(self, watch: MeshWatch, stream: Stream) -> None:
+        self.watch, self.stream = watch, stream
+
+    def coming(self, steps: int) -> list[int]:
+        """See ``transient_solver.Notes``."""
+        return self.watch.coming(steps)
+
+    def passed(self, steps: int, t: float, state: Callable[[], Snapshot]) -> None:
+        """See ``transient_solver.Notes``."""
+        self.watch.note(self.stream.start, t, state, steps)
 
 
 def _tell(attrs: dict[str, Any], doubt: str) -> None:

@@ -36,10 +36,13 @@ from viscorod.model.sections.section_shapes import Rectangle
 from viscorod.model.sections.stiffness_section import MaxwellBranch, StiffnessSection
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
+from viscorod.solve.formulations.system import State
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.many_steps import ManySteps
+from viscorod.solve.transient.step_control import ErrorControl
 
 SIZE = 0.01
 """Length of the rods [m]: small enough to need the scaling of the linear algebra."""
@@ -94,6 +97,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         relaxing.modes(1)
         for variant in _variants(assembly, relaxing):
             _simulate(*variant)
+        compile_loop()
         await_compilation()
     if progress is not None:
         progress(_ready())  # what the second process compiled was only read here
@@ -216,6 +220,14 @@ def compile_step() -> None:
     step.compile(tuple(typeof(argument) for argument in radau.step_arguments(SPAN)))
 
 
+def compile_loop() -> None:
+    """Compile the loop of radau's steps, which runs use if it is there."""
+    work = DiscreteModel.of(soft_model())
+    radau = Radau(work.system, work.supports, tolerance=1e-4)
+    radau.start(0.0, State.reference(work.problem))
+    ManySteps(radau, ErrorControl(radau.estimate_order, SPAN, SPAN), SPAN, None).compile()
+
+
 def compile_transients() -> None:
     """Compile the kernels of transients, those first that a first run needs and that statics does without."""
     compile_step()
@@ -223,6 +235,7 @@ def compile_transients() -> None:
     _simulate(soft_model(), "radau", [("unassembled", "full")])
     for integrator in ("radau", "midpoint"):
         _simulate(small_model(), integrator)
+    compile_loop()
 
 
 def _ready() -> int:

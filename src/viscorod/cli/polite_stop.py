@@ -12,27 +12,38 @@ import typer
 __all__ = ["polite_stop"]
 
 
+class _Asked:
+    """Returns why a run is to end, if it is.
+
+    Attributes:
+        patient: it may be called after some short steps, and need not be after every one.
+    """
+
+    patient = True
+
+    def __init__(self) -> None:
+        self.reason, self.listening = "", False
+
+    def __call__(self) -> str:
+        self.listening = True
+        return self.reason
+
+
 @contextmanager
 def polite_stop() -> Iterator[Callable[[], str]]:
     """Let Ctrl-C, or a request to terminate, end the run after the present step; the second one ends it at once.
 
     So does the first one before the solver has asked: an initial equilibrium has no step to finish.
     """
-    reason, listening = "", False
+    stop = _Asked()
 
     def ask(number: int, _: FrameType | None) -> None:
-        nonlocal reason
-        if reason:
+        if stop.reason:
             raise KeyboardInterrupt
-        reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
-        if not listening:
-            raise KeyboardInterrupt(reason)
+        stop.reason = "stopped from the keyboard" if number == signal.SIGINT else "asked to end"
+        if not stop.listening:
+            raise KeyboardInterrupt(stop.reason)
         typer.echo("\nfinishing the step; interrupt again to end at once", err=True)
-
-    def stop() -> str:
-        nonlocal listening
-        listening = True
-        return reason
 
     before = {number: signal.signal(number, ask) for number in (signal.SIGINT, signal.SIGTERM)}
     try:

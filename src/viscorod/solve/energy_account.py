@@ -10,6 +10,9 @@ import numpy as np
 
 from viscorod.typing import Floats
 
+NO_LOSS: Floats = np.zeros(0)
+"""What no Maxwell branches dissipate [J]."""
+
 
 class Progressing(Protocol):
     """Energies of an integrator after a step, for the energy account."""
@@ -55,7 +58,7 @@ class EnergyAccount:
     start: float = 0.0
     outside: float = 0.0
     actuator: float = 0.0
-    branches: Floats = field(default_factory=lambda: np.zeros(0))
+    branches: Floats = field(default_factory=lambda: NO_LOSS)
 
     @property
     def numerical(self) -> float:
@@ -76,7 +79,8 @@ class EnergyAccount:
         self.viscous += step.loss
         self.outside += step.outside
         self.actuator += step.actuator
-        self.branches = self.branches + step.branch_loss
+        if len(self.branches):
+            self.branches = self.branches + step.branch_loss
 
     @property
     def recorded(self) -> tuple[float, ...]:
@@ -118,15 +122,34 @@ class EnergiesWithin(NamedTuple):
         before = np.repeat(
             np.array([(*step.before.recorded, step.before.start) for step in steps]), counts, 0
         )
-        _, _, lost, work, first, out, moved, start = before.T
         last = np.repeat([step.end.numerical for step in steps], counts)
         parts, kinetic = (np.concatenate([step[k] for step in steps]) for k in (2, 3))
-        shares = (np.concatenate([step.step[k] for step in steps]) for k in range(4))
-        external, viscous, outside, actuator = (
-            sum_ + share for sum_, share in zip((work, lost, out, moved), shares, strict=True)
-        )
-        remainder = (1.0 - parts) * first + parts * last
-        given = external + actuator + start
-        elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
-        numerical = kinetic + elastic + viscous + outside - given
-        return np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
+        shares = tuple(np.concatenate([step.step[k] for step in steps]) for k in range(4))
+        return energies_within(before, last, parts, kinetic, shares)
+
+
+def energies_within(
+    before: Floats, last: Floats, parts: Floats, kinetic: Floats, shares: tuple[Floats, ...]
+) -> Floats:
+    """Return the energies ``(k, 7)`` at ``parts (k,)`` of steps, see :meth:`EnergiesWithin.rows`.
+
+    Args:
+        before: what is recorded at the start of each step, and the energy at the start of the motion ``(k, 8)`` [J].
+        last: remainder at its end ``(k,)``; kinetic: energies; shares: as in :class:`StepShare`, without branches.
+    """
+    _, _, lost, work, first, out, moved, start = before.T
+    external, viscous, outside, actuator = (
+        sum_ + share for sum_, share in zip((work, lost, out, moved), shares, strict=True)
+    )
+    remainder = (1.0 - parts) * first + parts * last
+    given = external + actuator + start
+    elastic = np.maximum(remainder - (kinetic + viscous + outside - given), 0.0)
+    numerical = kinetic + elastic + viscous + outside - given
+    return np.array([kinetic, elastic, viscous, external, numerical, outside, actuator]).T
+
+
+class EnergiesKnown(NamedTuple):
+    """Energies at ``k`` instants: rows ``(k, 7)`` as in :attr:`EnergyAccount.recorded`, and of branches ``(k, n)``."""
+
+    rows: Floats
+    branches: Floats

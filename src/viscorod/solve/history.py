@@ -14,7 +14,7 @@ from viscorod.mechanics.rotations.quaternion import product
 from viscorod.mechanics.rotations.rotation import rotate_rows
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount, StepShare
+from viscorod.solve.energy_account import EnergiesKnown, EnergiesWithin, EnergyAccount, StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -242,7 +242,7 @@ class Records(NamedTuple):
     """Consecutive records: states, and energies or what they follow from, at one place or several of a step."""
 
     states: Snapshots
-    energy: EnergyAccount | EnergiesWithin
+    energy: EnergyAccount | EnergiesWithin | EnergiesKnown
 
     def first(self, count: int) -> Records:
         """Return the first ``count`` of them."""
@@ -250,6 +250,8 @@ class Records(NamedTuple):
         if isinstance(energy, EnergiesWithin):
             step = StepShare._make(values[:count] for values in energy.step)
             energy = energy._replace(parts=energy.parts[:count], kinetic=energy.kinetic[:count], step=step)
+        elif isinstance(energy, EnergiesKnown):
+            energy = EnergiesKnown(energy.rows[:count], energy.branches[:count])
         return Records(self.states.first(count), energy)
 
 
@@ -287,13 +289,20 @@ class History:
         """Append a snapshot and the energy account at an instant."""
         self.extend([instant], Records(Snapshots.of(snapshot), account.copy()), step_size, iterations)
 
-    def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
-        """Append states within one step, or at its end, at their instants."""
+    def extend(
+        self,
+        instants: list[float],
+        records: Records,
+        step_size: float | list[float],
+        iterations: int | list[int],
+    ) -> None:
+        """Append states at their instants, of one step, or of several with a step [s] and iterations for each state."""
         if instants[0] == 0.0:
             self.start = records.states.at(0)
+        count = len(instants)
         self.records.append(records)
-        self.step_size += [step_size] * len(instants)
-        self.iterations += [iterations] * len(instants)
+        self.step_size += step_size if isinstance(step_size, list) else [step_size] * count
+        self.iterations += iterations if isinstance(iterations, list) else [iterations] * count
         self.instant += instants  # at the end, which makes them count
 
     def states(self) -> Snapshots:
@@ -312,6 +321,10 @@ class History:
                 energy[done : done + count] = within[taken : taken + count]
                 branches.append(piece.before.branches + piece.step.branches)
                 taken += count
+            elif isinstance(piece, EnergiesKnown):
+                count = len(piece.rows)
+                energy[done : done + count] = piece.rows
+                branches.append(piece.branches)
             else:
                 count = 1
                 energy[done] = piece.recorded

@@ -30,13 +30,16 @@ Kernel = TypeVar("Kernel", bound=Callable[..., object])
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
 """Set in the process that compiles aside."""
 
-_MARK = re.compile(rb"^@(kernel|part|lane_kernel)$", re.MULTILINE)
+_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part|loop_part)$", re.MULTILINE)
 _IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
 
 _helpers: list[subprocess.Popen[bytes]] = []
 
 _CONSTRUCTORS = {"empty", "zeros", "dot"}
 """Constructors of arrays within kernels."""
+
+_FAST = {"contract", "nsz"}
+"""What floating point may do: multiply and add at once, forget the sign of zero."""
 
 _njit: Any = numba.njit
 _config: Any = numba.config
@@ -104,11 +107,20 @@ def part(function: Kernel) -> Kernel:
 
     It must not return arrays.
     """
+    return _part(function, _FAST)
+
+
+def exact_part(function: Kernel) -> Kernel:
+    """Compile ``function`` as a part whose numbers are, bit for bit, those of Python: no operations are fused."""
+    return _part(function, False)
+
+
+def _part(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     compiled: Any = _njit(
         error_model="numpy",
-        fastmath={"contract", "nsz"},
+        fastmath=fast,
         no_cpython_wrapper=True,
         no_cfunc_wrapper=True,
         pipeline_class=part_compiler(),
@@ -125,6 +137,15 @@ def kernel(function: Kernel) -> Kernel:
     Copy rows entry by entry: one assignment of an array to a slice compiles, for the message of its error, two to
     three seconds of text formatting.
     """
+    return _kernel(function, _FAST)
+
+
+def loop(function: Kernel) -> Kernel:
+    """Compile ``function`` as a kernel whose own numbers are, bit for bit, those of Python; see :func:`exact_part`."""
+    return _kernel(function, False)
+
+
+def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     folder, given = cache_folder(), _config.CACHE_DIR
@@ -132,7 +153,7 @@ def kernel(function: Kernel) -> Kernel:
     compiled: Any = _njit(
         cache=True,
         error_model="numpy",
-        fastmath={"contract", "nsz"},
+        fastmath=fast,
         no_cfunc_wrapper=True,
         nogil=True,
         pipeline_class=kernel_compiler(),
@@ -159,11 +180,20 @@ def lane_kernel(function: Kernel) -> Kernel:
     Loops over lanes vectorise where row lengths are constants, formulas stay in registers, and parts of a step take
     bundles of arrays without a copy of all that describes them.
     """
+    return _inlined(function, _FAST)
+
+
+def loop_part(function: Kernel) -> Kernel:
+    """Do so with a part of a :func:`loop`: bit for bit, its numbers are those of Python."""
+    return _inlined(function, False)
+
+
+def _inlined(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     compiled = _njit(
         error_model="numpy",
-        fastmath={"contract", "nsz"},
+        fastmath=fast,
         forceinline=True,
         _nrt=False,
         no_cpython_wrapper=True,

@@ -7,16 +7,19 @@ step has 150. Where types do not change this is done once.
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Any, ClassVar
+from typing import Any, ClassVar, cast
 
 import numba
 import numpy as np
 
-from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON, on_disk
 
 __all__ = ["KnownTypes"]
 
 Code = Callable[..., Any]
+
+_LAYOUT = 0x0001 | 0x0002 | 0x0400
+"""NumPy's flags of C and Fortran order, and of arrays that may be written."""
 
 
 class KnownTypes:
@@ -24,29 +27,56 @@ class KnownTypes:
 
     Args:
         kernel: that is called.
+
+    Attributes:
+        call: the kernel, from its second call on as machine code.
     """
 
-    __slots__ = ("_code", "_kernel")
+    __slots__ = ("_compiled", "_kernel", "call")
 
-    _found: ClassVar[dict[Any, Code]] = {}
-    """Machine code by kernel and kinds of arguments: Numba takes milliseconds to find it."""
+    _found: ClassVar[dict[Any, Any]] = {}
+    """What Numba compiled, by kernel and kinds of arguments: it takes milliseconds to find it."""
 
     def __init__(self, kernel: Code) -> None:
         self._kernel = kernel
-        self._code: Code | None = kernel if PURE_PYTHON else None
+        self._compiled: Any = None
+        self.call: Code = kernel if PURE_PYTHON else self._first_call
 
-    def __call__(self, *arguments: Any) -> Any:
-        """Call the kernel."""
-        if self._code is None:
-            self._code = self._machine_code(arguments)
-        return self._code(*arguments)
+    def _first_call(self, *arguments: Any) -> Any:
+        self.call = self.compiled(arguments).entry_point
+        return self.call(*arguments)
+
+    @property
+    def unknown(self) -> bool:
+        """Whether the types are still unknown."""
+        return self._compiled is None
+
+    @property
+    def loaded(self) -> bool:
+        """Whether machine code of the kernel is in memory."""
+        return not PURE_PYTHON and bool(cast(Any, self._kernel).overloads)
+
+    @property
+    def kept(self) -> bool:
+        """Whether machine code of the kernel is on disk."""
+        return not PURE_PYTHON and on_disk(self._kernel)
+
+    def suited(self, *arrays: np.ndarray) -> Code:
+        """Return what calls the kernel where these ``arrays`` might not be of real numbers in C's order; others are."""
+        for array in arrays:
+            if not array.flags.c_contiguous or array.dtype.char != "d":
+                return self._kernel
+        return self.call
 
     def take_over(self, other: KnownTypes) -> None:
         """Use the machine code of another call of the same kernel with arguments of the same types, if it is known."""
-        if self._code is None and self._kernel is other._kernel:
-            self._code = other._code
+        if self._kernel is other._kernel and other._compiled is not None:
+            self.call, self._compiled = other.call, other._compiled
 
-    def _machine_code(self, arguments: tuple[Any, ...]) -> Code:
+    def compiled(self, arguments: tuple[Any, ...]) -> Any:
+        """Return what Numba compiled for these arguments, which are of the types of all calls."""
+        if self._compiled is not None:
+            return self._compiled
         key = self._kernel, _kinds(arguments)
         found = self._found.get(key)
         if found is None:
@@ -54,15 +84,15 @@ class KnownTypes:
             typeof: Any = numba.typeof
             types = tuple(typeof(argument) for argument in arguments)
             dispatcher.compile(types)
-            found = self._found[key] = dispatcher.overloads[types].entry_point
+            found = self._found[key] = dispatcher.overloads[types]
+        self._compiled = found
         return found
 
 
 def _kinds(value: Any) -> Any:
     """Return what the type of an argument depends on."""
     if isinstance(value, np.ndarray):
-        flags = value.flags
-        return value.dtype.char, value.ndim, flags.c_contiguous, flags.f_contiguous, flags.writeable
+        return value.dtype.char, value.ndim, value.flags.num & _LAYOUT
     if isinstance(value, tuple):
         return type(value), *(_kinds(item) for item in value)
     return type(value)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 from pydantic import model_validator
 
 from viscorod.model.actions.load_effects import Arrows, Placing
+from viscorod.model.actions.time_function import Constant
 from viscorod.model.actions.time_table import TimeField
 from viscorod.model.connections.place import Place, find_rod, station_on
 from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
@@ -53,6 +54,11 @@ class AnyLoad(Definition):
         if self.until is not None and not (t < self.until or (before and t == self.until)):
             return 0.0
         return 1.0 if self.time is None else self.time.value(t, before)
+
+    def steady_after(self, t: float) -> bool:
+        """Return whether the factor is known to stay the same from just after time `t` [s] to its next breakpoint."""
+        over = self.until is not None and t >= self.until
+        return over or self.time is None or isinstance(self.time, Constant)
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

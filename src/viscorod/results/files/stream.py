@@ -74,7 +74,13 @@ class Stream(History):
         """States recorded so far."""
         return self._gone + len(self.instant)
 
-    def extend(self, instants: list[float], records: Records, step_size: float, iterations: int) -> None:
+    def extend(
+        self,
+        instants: list[float],
+        records: Records,
+        step_size: float | list[float],
+        iterations: int | list[int],
+    ) -> None:
         """See :class:`~viscorod.solve.history.History`."""
         states = records.states
         if not self.count:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 from scipy import sparse
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
@@ -14,7 +15,7 @@ from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
-CONSTANT = frozenset({"_directions_now", "complete", "partial", "q0", "r0"})
+CONSTANT = frozenset({"_directions_now", "_impose", "_impose_tangent", "complete", "partial", "q0", "r0"})
 STILL = frozenset({"acceleration", "rate", "target", "twist", "twist_rate"})
 """What never changes, and what else does not where no support moves: motions that go on need none of it."""
 
@@ -36,6 +37,10 @@ class SupportState:
         self.weights: Floats = np.ones((problem.size, 6))
         self.nodes = supports.SupportedNodes(s.nodes, s.fixed, s.axes, self.r0, self.q0)
         self._directions_now = supports.Directions.of(m)
+        self._impose, self._impose_tangent = (
+            KnownTypes(supports.impose),
+            KnownTypes(supports.impose_tangent),
+        )
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
@@ -113,12 +118,11 @@ class SupportState:
 
         With the ``tangent`` held rows of both are multiplied by ``weights``.
         """
-        supports.impose(
-            self.nodes, self.target, state.r, state.q, residual, self.reaction, self._directions_now
-        )
+        impose = self._impose.suited(state.r, state.q, residual)
+        impose(self.nodes, self.target, state.r, state.q, residual, self.reaction, self._directions_now)
         if tangent:
-            self.weights = np.ones_like(residual)
-            supports.impose_tangent(
+            self.weights = np.ones(residual.shape)
+            self._impose_tangent.suited(matrix.blocks)(
                 self.nodes,
                 self._directions_now,
                 self.reaction,

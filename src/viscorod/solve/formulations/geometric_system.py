@@ -75,7 +75,8 @@ class GeometricSystem:
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_columns = np.zeros((0, 1, 6, 6, LANES))
         self._operators: Operators | None = None
-        self._moving = KnownTypes(geometric.assemble), KnownTypes(collect)
+        self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
+        self._update_stress = KnownTypes(geometric.update_stress)
         self.constraints = Constraints(problem, self.elements)
         order, self._positions = gauss_positions(problem.sets)
         self._places = gauss_indices(problem.sets)[order]
@@ -114,7 +115,8 @@ class GeometricSystem:
             self.impose_rest(loads.rest)
         self._take_rates(moving)
         held = problem.held
-        self.stress[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
+        if len(held.place):
+            self.stress[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
         self._add_elements(
             self._present(),
             self.stress,
@@ -225,6 +227,8 @@ class GeometricSystem:
 
     def multiplier_change(self, increment: Floats) -> Floats:
         """See :class:`~viscorod.solve.formulations.system.System`."""
+        if not self.problem.multipliers:
+            return increment[:0].ravel()
         change = increment[self.problem.size :].ravel() * self.constraints.scale
         change[self.constraints.idle] = 0.0
         return change
@@ -237,13 +241,14 @@ class GeometricSystem:
         kind: tuple[bool, Floats, bool],
         out: geometric.Assembled,
         operators: Operators | None,
-        kernels: tuple[Callable[..., object], Callable[..., object]] = (geometric.assemble, collect),
+        kernels: tuple[Callable[..., object], Callable[..., object]] | None = None,
     ) -> None:
         """Add the forces of all elements and their tangent to ``out``; write the operators if they are wanted.
 
         ``kind``: the state is moving, its rate maps, the tangent is wanted; ``kernels``: call these two.
         """
-        assemble, collected = kernels
+        known = self._assemble.suited(state.r, state.q, state.twist, kind[1], out.blocks, out.rate_blocks)
+        assemble, collected = kernels if kernels is not None else (known, collect)
         for number, group in enumerate(self.groups):
             columns = self._columns[number]
             strain_columns = self._no_columns if operators is None else np.empty_like(columns)
@@ -258,16 +263,20 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
-        elements = self._elements._replace(stiffness=self._stiffness)  # motions have the whole rest strains
+        elements = self._elements  # motions have the whole rest strains
+        if self.relaxation is not None:
+            elements = elements._replace(stiffness=self._stiffness)
         if self.imposed.changes:
             elements = elements._replace(reference=self._reference)
-        self._add_elements(elements, stress, state, (True, ad, True), out, operators, self._moving)
+        kernels = self._assemble.call, self._collect.call
+        self._add_elements(elements, stress, state, (True, ad, True), out, operators, kernels)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         for number, group in enumerate(self.groups):
             fields = self._point_fields(number, self.stress, self._no_columns)
-            geometric.update_stress(self._elements, group, fields, increment, self.stress)
+            update = self._update_stress.suited(increment)
+            update(self._elements, group, fields, increment, self.stress)
 
     def carry_strains(self, state: State) -> None:
         """Let :meth:`carry_stress` give the strains of increments about ``state``, until the next assembly."""

@@ -32,7 +32,7 @@ class DirectSolver:
         kind: float or complex, the type of matrices and right sides.
 
     Attributes:
-        plan: the present one.
+        plan: the present one; places: where blocks go to, for :func:`~viscorod.solve.linear.factors.reduce`.
         factors: for :func:`~viscorod.solve.linear.substitution.solve` in compiled code. Its arrays stay the same while
             the plan does: look here again after a factorisation.
     """
@@ -42,13 +42,14 @@ class DirectSolver:
 
     def __init__(self, plan: Plan, kind: type = float) -> None:
         self._kind = kind
-        self._reduce = KnownTypes(reduce)
+        self.reduction, self._substitute = KnownTypes(reduce), KnownTypes(substitute)
         self._take(plan)
 
     def _take(self, plan: Plan) -> None:
         self.plan = plan
         self._sparse = None if plan.banded else _SparseLU(plan, self._kind)
         self.factors = Factors.of(plan, self._kind, self._sparse.callback.address if self._sparse else 0)
+        self.places = plan.fronts[2], plan.kept, plan.targets
 
     @property
     def description(self) -> str:
@@ -61,18 +62,10 @@ class DirectSolver:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
-        plan, f = self.plan, self.factors
-        code = self._reduce(
-            np.ascontiguousarray(blocks, dtype=self._kind),
-            plan.fronts[2],
-            plan.kept,
-            plan.targets,
-            f.values,
-            f.fronts,
-            f.integers,
-            f.groups,
-            f.rest,
-        )
+        values, fronts, _, integers, _, groups, _, rest = self.factors
+        if blocks.dtype != self._kind or not blocks.flags.c_contiguous:
+            blocks = np.ascontiguousarray(blocks, dtype=self._kind)
+        code = self.reduction.call(blocks, *self.places, values, fronts, integers, groups, rest)
         if code != 0:
             if not np.isfinite(blocks).all():
                 self.factors.values.fill(np.nan)  # nor are solutions finite
@@ -95,7 +88,8 @@ class DirectSolver:
             rest[1] = self._sparse.transposed.address if self._sparse else 0
             substitute_transposed(*self.factors._replace(rest=rest), b.reshape(-1))
         else:
-            substitute(*self.factors, b.reshape(-1))
+            known = self._substitute.call if b.dtype == self._kind else substitute
+            known(*self.factors, b.reshape(-1))
         self.check()
         return b
 

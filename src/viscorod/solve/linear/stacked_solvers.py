@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.factors import Factors
 from viscorod.solve.linear.plan import Plan
@@ -28,7 +29,7 @@ class StackedSolvers:
         self._take(plan)
 
     def _take(self, plan: Plan) -> None:
-        self._plan = plan
+        self.plan = plan
         self._solvers = [DirectSolver(plan, complex) for _ in range(self._count)]
         one, count = Factors.of(plan, complex, 0), (self._count, 1)
         self.factors = one._replace(
@@ -44,13 +45,20 @@ class StackedSolvers:
                 values=values[m], fronts=fronts[m], integers=integers[m], rest=rest[m]
             )
 
+    @property
+    def reduction(self) -> KnownTypes:
+        """The kernel that factorises one of them."""
+        return self._solvers[0].reduction
+
     def factorise(self, blocks: Floats) -> None:
         """Factorise all matrices, with values ``blocks (p, b, 6, 6)``; raises as :meth:`DirectSolver.factorise`."""
         for solver, values in zip(self._solvers, blocks, strict=True):
             solver.factorise(values)
-        if any(solver.plan is not self._plan for solver in self._solvers):
-            self._take(self._plan.plain)
-            self.factorise(blocks)
+        for solver in self._solvers:
+            if solver.plan is not self.plan:
+                self._take(self.plan.plain)
+                self.factorise(blocks)
+                return
 
     def check(self) -> None:
         """Raise what went wrong in solutions within compiled code."""

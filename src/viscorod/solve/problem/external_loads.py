@@ -12,6 +12,8 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.model.actions.load_base import AnyLoad
+from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import NodalLoad, Problem
@@ -36,7 +38,7 @@ class LoadState:
         nodes: those that carry any nodal load; dead, following, gravity, levers: as in ``add_nodal_loads``.
         stations: within elements.
         motion: loads that see motion; factors: of their places ``(m,)``; pushes: they act on what is at rest.
-        laws: of these loads.
+        sees_motion: any place of these has a factor; laws: of these loads.
         rest: the rest strains that are imposed; None leaves them as they are.
     """
 
@@ -49,6 +51,7 @@ class LoadState:
     factors: Floats
     stations: list[ActiveStation] = field(default_factory=list)
     pushes: bool = False
+    sees_motion: bool = False
     laws: MotionLaws | None = None
     rest: Imposed | None = None
 
@@ -56,11 +59,6 @@ class LoadState:
     def none(self) -> bool:
         """True if nothing acts on a model at rest."""
         return len(self.nodes) == 0 and not self.stations and not self.pushes
-
-    @property
-    def sees_motion(self) -> bool:
-        """True if anything depends on the motion."""
-        return bool(self.factors.any())
 
     def add(
         self,
@@ -157,6 +155,15 @@ def _add_rows(factor: float, rows: _Rows, sums: Floats) -> None:
         np.add.at(sums, rows.nodes, factor * rows.values)
 
 
+def _steady(factor: TimeFactor, t: float) -> bool:
+    load = getattr(factor, "__self__", None)
+    return (
+        isinstance(load, AnyLoad)
+        and getattr(factor, "__func__", None) is AnyLoad.factor
+        and load.steady_after(t)
+    )
+
+
 class ExternalLoads:
     """Evaluates the loads of a problem; nodal sums are kept while the time factors stay the same.
 
@@ -191,14 +198,11 @@ class ExternalLoads:
 
         ``given`` are factors, by the number of the load, in place of those at ``t``.
         """
-        problem, given = self.problem, given or {}
-        factors = tuple(
-            [
-                (self._part(load, scale) if grows else 1.0)
-                * (given[load] if load in given else factor(t, before))
-                for load, factor, grows in self._factored
-            ]
-        )
+        problem = self.problem
+        if not given and scale == 1.0 and self.stage is None:
+            factors = tuple([factor(t, before) for _, factor, _ in self._factored])
+        else:
+            factors = self._parts_at(t, before, scale, given or {})
         if factors != self._factors or self._state is None:
             self._factors, self._state = factors, self._nodal(factors)
         state = self._state
@@ -212,9 +216,8 @@ class ExternalLoads:
             return state
         stations = []
         for k, load in enumerate(problem.station_loads):
-            factor = self._part(load.load, scale) * (
-                given[load.load] if load.load in given else load.factor(t, before)
-            )
+            own = load.factor(t, before) if not given or load.load not in given else given[load.load]
+            factor = self._part(load.load, scale) * own
             s = load.position(t, before)
             if factor == 0.0 or not 0.0 <= s <= problem.rod_lengths[load.rod]:
                 continue
@@ -225,6 +228,22 @@ class ExternalLoads:
             stations.append(ActiveStation(element, shape, factor * load.dead, factor * load.following))
         self.last = replace(state, stations=stations)
         return self.last
+
+    def steady_after(self, t: float) -> bool:
+        """Return whether no load is known to change from just after the time ``t`` [s] to the next breakpoint."""
+        return not self.problem.station_loads and all(_steady(factor, t) for _, factor, _ in self._factored)
+
+    def _parts_at(
+        self, t: float, before: bool, scale: float, given: Mapping[int, float]
+    ) -> tuple[float, ...]:
+        """Return the factors of all loads, where these grow, or are given."""
+        return tuple(
+            [
+                (self._part(load, scale) if grows else 1.0)
+                * (given[load] if load in given else factor(t, before))
+                for load, factor, grows in self._factored
+            ]
+        )
 
     def _part(self, load: int, scale: float) -> float:
         """Return the part of a load of the model, or of the rest strains (-1), at ``scale``."""
@@ -259,6 +278,7 @@ class ExternalLoads:
             self.motion,
             places,
             pushes=pushes,
+            sees_motion=len(places) > 0 and bool(places.any()),
             laws=self.laws,
         )
 

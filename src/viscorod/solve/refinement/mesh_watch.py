@@ -108,7 +108,15 @@ class MeshWatch:
             beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)
             self._count_in(any(estimated(near) for near in beside))
 
-    def note(self, start: Snapshot | None, t: float, state: Callable[[], Snapshot]) -> None:
+    def coming(self, steps: int) -> list[int]:
+        """Return after which of the next ``steps`` of a motion, counted from 1, :meth:`note` keeps the state."""
+        found, at = [], self._next
+        while at <= self._count + steps:
+            found.append(at - self._count)
+            at = int(GROWTH * at) + 1
+        return found
+
+    def note(self, start: Snapshot | None, t: float, state: Callable[[], Snapshot], steps: int = 1) -> None:
         """Keep the ends of some steps of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
 
         Errors of a motion that fades are largest early, those of one that lasts in the end. States between the ends of
@@ -116,10 +124,11 @@ class MeshWatch:
 
         Args:
             start: the state at t = 0, None if it is known; t: end of a step [s]; state: returns the one there.
+            steps: since the last call, the last of which ends here.
         """
         if start is not None:
             self.start = start
-        self._count += 1
+        self._count += steps
         if self._count >= self._next:
             self.noted = [*self.noted[1 - INSTANTS :], (t, state())]
             self._next = int(GROWTH * self._count) + 1

@@ -7,10 +7,12 @@ eigenvalue ``a`` that is ``R(a h) - R(a h/2)^2`` of its amplitude, ``R`` being t
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.nodal_motion import pose_differences
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
@@ -84,6 +86,7 @@ class HalvedSteps:
         self.unit = np.repeat([problem.length, 1.0], 3)
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
         self.power, self.seen = order + 1, twin.seen_by_halving
+        self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
         self._kept = False
 
@@ -96,11 +99,30 @@ class HalvedSteps:
 
     def prepare(self, number: int, integrator: Integrator, h: float) -> None:
         """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
-        trials = self.trials
-        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
-        if not self._kept and (number == trials.next or longer):
+        if not self._kept and self.tries(number, h):
             self._kept = True
             hand_over(integrator, self.twin)
+
+    def tries(self, number: int, h: float) -> bool:
+        """Return whether a step of ``h`` [s] is one to be tried again, by its number."""
+        trials = self.trials
+        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
+        return number == trials.next or longer
+
+    @property
+    def waiting(self) -> bool:
+        """Whether the step that is taken next is one to be tried again."""
+        return self._kept
+
+    def passed(self, number: int, h: float) -> None:
+        """Count a step of ``h`` [s] that was accepted, by its number."""
+        trials = self.trials
+        if trials.border is not None and number >= trials.border:
+            trials.border = None
+            trials.around.append(np.zeros(2))
+        around = trials.around[-1]
+        around[0] += 1.0
+        around[1] += h**self.power
 
     def compare(self, number: int, integrator: Integrator, before: State, h: float, *, left: bool) -> None:
         """Compute a step that was accepted again in halves, if the state before it was kept.
@@ -111,12 +133,7 @@ class HalvedSteps:
         """
         twin, trials = self.twin, self.trials
         end = integrator.t
-        if trials.border is not None and number >= trials.border:
-            trials.border = None
-            trials.around.append(np.zeros(2))
-        around = trials.around[-1]
-        around[0] += 1.0
-        around[1] += h**self.power
+        self.passed(number, h)
         if number == trials.next:
             trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
         if not self._kept:
@@ -131,7 +148,7 @@ class HalvedSteps:
                 return
             twin.accept()
             if at < end:
-                within = np.abs(_away(middle.state, twin.state))
+                within = np.abs(self._away(middle.state, twin.state))
                 if self.strains:
                     inside = _largest(middle.section_force - twin.snapshot().section_force)
                     trials.apart = np.maximum(trials.apart, inside)
@@ -147,7 +164,7 @@ class HalvedSteps:
     def _take(self, end: float, h: float, before: Floats, state: State) -> None:
         """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
         better, modes, size = self.twin.state, self.modes, len(self.mass)
-        pose = _away(state, better)
+        pose = self._away(state, better)
         moving = np.stack([pose, state.twist - better.twist, before, state.twist])
         momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
         momenta[:2] /= self.seen
@@ -169,20 +186,19 @@ class HalvedSteps:
         """Measure how large the motion is."""
         assert self._start is not None
         start, state, trials = self._start, self.twin.state, self.trials
-        far = np.linalg.norm(state.r - start.r, axis=1).max()
+        far = np.square(state.r - start.r).sum(axis=1).max()
         chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
-        trials.moved = np.maximum(trials.moved, [far, 2.0 * np.sqrt(chord.max())])
+        trials.moved = np.maximum(trials.moved, [math.sqrt(far), 2.0 * math.sqrt(chord.max())])
         trials.forces = np.maximum(trials.forces, _largest(self.twin.snapshot().section_force))
+
+    def _away(self, state: State, better: State) -> Floats:
+        """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
+        pose = np.empty((len(state.r), 6))
+        self._differences.call(better.r, better.q, state.r, state.q, pose)
+        return pose
 
 
 def _largest(section_force: Floats) -> Floats:
     """Return the largest force and moment ``(2,)``."""
-    sizes = np.linalg.norm(section_force.reshape(-1, 2, 3), axis=2)
-    return np.asarray(sizes.max(axis=0, initial=0.0))
-
-
-def _away(state: State, better: State) -> Floats:
-    """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
-    pose = np.empty((len(state.r), 6))
-    pose_differences(better.r, better.q, state.r, state.q, pose)
-    return pose
+    squares = np.square(section_force).reshape(-1, 2, 3).sum(axis=2)
+    return np.asarray(np.sqrt(squares.max(axis=0, initial=0.0)))

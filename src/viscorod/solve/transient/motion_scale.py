@@ -3,8 +3,8 @@
 A vibration of angular frequency ``w`` that Radau IIA follows with steps ``h`` loses ``(w h)^6/7200`` of its amplitude
 per step, that is 1 % in 20 periods at 7 steps per period, where the estimated error of a step is 0.0028 of the
 amplitude. Modes that take a smaller part in the motion last longer in their own periods, so that less is allowed:
-``PART_OF_MOTION`` keeps the motion of an undamped bar under a sudden force, with all its modes, to 0.7 % over 20
-periods of the first.
+``amplitude.PART_OF_MOTION`` keeps the motion of an undamped bar under a sudden force, with all its modes, to 0.7 %
+over 20 periods of the first.
 """
 
 from __future__ import annotations
@@ -21,16 +21,8 @@ from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import Linearisation, natural_frequencies
+from viscorod.solve.transient import amplitude
 from viscorod.typing import Floats
-
-PART_OF_MOTION = 3e-4
-"""Tolerance as a part of the amplitude of the motion."""
-
-FINEST, USUAL = 1e-11, 1e-4
-"""Least and largest tolerance that follows from the motion: rounding, and what is fine for motions of any size."""
-
-LEAST_PART = 0.01
-"""Least amplitude that is taken of a vibration, as a part of the whole displacement, which may be a slow one."""
 
 PER_RUN = 2.0
 """Angular frequency over one by the duration, below which a motion is one from here to there, and no vibration."""
@@ -83,68 +75,62 @@ class PartOfMotion:
         supports: those that move carry the rest along.
         linear: small motions about the start, if there are any.
         duration: of the run [s].
+
+    Attributes:
+        numbers: see ``amplitude``; start: where the motion began, once it has.
     """
 
     def __init__(self, supports: SupportState, linear: Linearisation | None, duration: float) -> None:
-        problem = supports.problem
-        self.length = problem.length
-        self.amplitude = 0.0
-        self._displacement = self._velocity = 0.0
-        self._expected, self._until = 0.0, 0.0
-        self._start: State | None = None
+        self.numbers = np.zeros(amplitude.COUNT)
+        self.numbers[amplitude.LENGTH] = supports.problem.length
+        self.start: State | None = None
         self._carrier = _Carrier.of(supports)
-        self._respond, self._slowest = None, 0.0
+        self._respond = None
         if linear is not None:
-            self._respond, self._slowest = _response(supports, linear, PER_RUN / duration)
+            self._respond, self.numbers[amplitude.SLOWEST] = _response(supports, linear, PER_RUN / duration)
 
     @property
     def value(self) -> float:
         """See :class:`Tolerance`."""
-        return _part(max(self.amplitude, self._expected))
+        return float(amplitude.allowed_now(self.numbers))
+
+    @property
+    def carried(self) -> bool:
+        """Whether displacements are relative to a support that moves."""
+        return self._carrier is not None
 
     def begin(self, t: float, state: State, force: Floats) -> None:
         """See :class:`Tolerance`."""
-        if self._start is None:
-            self._start = state.copy()
-        self._expected = 0.0
+        if self.start is None:
+            self.start = state.copy()
+        numbers = self.numbers
+        numbers[amplitude.EXPECTED] = 0.0
         if self._respond is not None:
             relative = state.twist if self._carrier is None else self._carrier.relative_twist(state)
-            self._expected, time = self._respond(force, relative)
-            self._until = t + time
+            numbers[amplitude.EXPECTED], time = self._respond(force, relative)
+            numbers[amplitude.UNTIL] = t + time
 
     def at(self, t: float, state: State) -> float:
         """See :class:`Tolerance`."""
-        expected = self._expected if t <= self._until else 0.0
-        known = max(self.amplitude, expected)
-        if PART_OF_MOTION * known >= USUAL:
-            return USUAL
-        return _part(max(expected, self._amplitude(*self._extremes(state))))
+        if amplitude.is_usual(self.numbers, float(t)):
+            return amplitude.USUAL
+        return float(amplitude.allowed_after(self.numbers, float(t), *self._extent(state)))
 
     def accept(self, t: float, state: State) -> None:
         """See :class:`Tolerance`."""
-        if t > self._until:
-            self._expected = 0.0
-        if PART_OF_MOTION * self.amplitude < USUAL:
-            self._displacement, self._velocity = self._extremes(state)
-            self.amplitude = self._amplitude(self._displacement, self._velocity)
+        moved, speed = self._extent(state) if amplitude.still_grows(self.numbers) else (0.0, 0.0)
+        amplitude.take_extent(self.numbers, float(t), moved, speed)
 
-    def _extremes(self, state: State) -> tuple[float, float]:
-        """Return the largest displacement and velocity so far, those of ``state`` included."""
-        assert self._start is not None
-        start, length = self._start, self.length
+    def _extent(self, state: State) -> tuple[float, float]:
+        """Return how far ``state`` is from the start, and how fast it is."""
+        assert self.start is not None
+        start, length = self.start, float(self.numbers[amplitude.LENGTH])
         if self._carrier is None:
             r, q, twist = start.r, start.q, state.twist
         else:
             r, q = self._carrier.carried(start, state)
             twist = self._carrier.relative_twist(state)
-        moved, speed = motion_extent(r, q, state.r, state.q, twist, length)
-        return max(self._displacement, moved), max(self._velocity, speed)
-
-    def _amplitude(self, displacement: float, velocity: float) -> float:
-        whole = 0.5 * displacement
-        if self._slowest == 0.0:
-            return whole
-        return min(whole, max(velocity / self._slowest, LEAST_PART * whole))
+        return motion_extent(r, q, state.r, state.q, twist, length)
 
 
 class _Carrier:
@@ -188,10 +174,6 @@ class _Carrier:
         return twist
 
 
-def _part(amplitude: float) -> float:
-    return min(max(PART_OF_MOTION * amplitude, FINEST), USUAL)
-
-
 def _size(increments: Floats, length: float) -> float:
     """Return the largest of increments ``(n, 6)``: displacement over length, rotation."""
     squares = np.square(increments)
@@ -217,18 +199,18 @@ def _response(
     mass = supports.problem.mass
 
     def expected(force: Floats, twist: Floats) -> tuple[float, float]:
-        amplitude, time = 0.0, 0.0
+        size, time = 0.0, 0.0
         pushed = np.asarray(basis.T @ force.ravel())
         if pushed.any():
             y = solve(pushed)
-            amplitude = _size((basis @ y).reshape(-1, 6), length)
+            size = _size((basis @ y).reshape(-1, 6), length)
             time = math.pi * math.sqrt(abs(float(y @ (M @ y)) / float(pushed @ y)))
         speed = _size(twist, length)
         if speed > 0.0:
             momentum = np.einsum("nij,nj->ni", mass, twist)
             reach = _size((basis @ solve(np.asarray(basis.T @ momentum.ravel()))).reshape(-1, 6), length)
-            amplitude = math.hypot(amplitude, math.sqrt(speed * reach))
+            size = math.hypot(size, math.sqrt(speed * reach))
             time = max(time, math.pi * math.sqrt(reach / speed))
-        return (amplitude, time) if math.isfinite(amplitude + time) else (0.0, 0.0)
+        return (size, time) if math.isfinite(size + time) else (0.0, 0.0)
 
     return expected, slowest

@@ -63,7 +63,7 @@ UNCHANGED = (
     JointSet, LawCallbacks, Joints, JointLaws, SupportedNodes, StepContent, Callback, DirectSolver, ExternalLoads,
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
-    ReducedModel, ReducedLoads, Kept, Stages, StepAccount,
+    ReducedModel, ReducedLoads, Kept, Stages, StepAccount, KnownTypes,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

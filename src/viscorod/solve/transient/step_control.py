@@ -7,6 +7,9 @@ from collections import deque
 from dataclasses import dataclass
 from typing import Protocol
 
+import numpy as np
+
+from viscorod.solve.transient import step_choice
 from viscorod.solve.transient.integrators.contract import StepReport
 
 HALVINGS = 12
@@ -16,6 +19,18 @@ SMALLEST = 1e-13
 
 PATIENCE, PROGRESS = 500, 1e-7
 """So many steps must take the run forward by such a part of its duration."""
+
+
+LIMITS = (
+    "",
+    "the jump at its start",
+    "the beginning of the run",
+    "convergence of Newton's method",
+    "the error",
+    "the next corner of loads or motions",
+    "the largest allowed step",
+)
+"""What limits a step, in words, by the numbers of ``step_choice``."""
 
 
 class StepControl(Protocol):
@@ -119,68 +134,54 @@ class ErrorControl:
     notes_failures = False
 
     def __post_init__(self) -> None:
-        self._h = self.largest
-        self._corner = 0.0
-        self._last: tuple[float, float] | None = None
-        self._limit = self._accepted_limit = ""
-        self._failed = False
+        self.numbers = np.zeros(step_choice.COUNT)
+        self.numbers[step_choice.H] = self.largest
+        self.numbers[step_choice.LAST_ERROR] = -1.0
+        self.numbers[step_choice.LARGEST :] = (
+            self.largest,
+            self.order,
+            self.iterations,
+            self.keep,
+            self.growth,
+        )
         self._recent: deque[float] = deque(maxlen=PATIENCE)
 
     def begin(self, t: float, corner: float, *, first: float | None) -> None:
         """See :class:`StepControl`."""
-        self._corner = corner
+        numbers = self.numbers
+        numbers[step_choice.CORNER] = corner
         if first is not None:
-            self._h, self._last = min(first, self.largest), None
-            self._limit = "the jump at its start" if t > 0.0 else "the beginning of the run"
+            numbers[step_choice.H], numbers[step_choice.LAST_ERROR] = min(first, self.largest), -1.0
+            numbers[step_choice.LIMIT] = step_choice.JUMP if t > 0.0 else step_choice.BEGINNING
 
     def next_end(self, t: float) -> float:
         """See :class:`StepControl`."""
-        left = self._corner - t
-        if self._h >= left * (1.0 - 1e-9):
-            return self._corner
-        # no tiny last step: the one before it is shortened
-        return t + (self._h if self._h <= 0.5 * left else 0.5 * left)
+        return float(step_choice.next_end(self.numbers, float(t)))
 
     def accepts(self, report: StepReport, h: float) -> bool:
         """See :class:`StepControl`."""
-        if not report.converged:
-            self._h = 0.3 * h
-            self._limit, self._failed = "convergence of Newton's method", True
-            return False
-        power = 1.0 / (self.order + 1)
-        error = max(report.error, 1e-10)
-        limit = self.iterations
-        safety = 0.9 * (2 * limit + 1) / (2 * limit + report.iterations)
-        factor = safety * error**-power
-        if error > 1.0:
-            self._h = h * min(max(factor, 0.1), 0.9)
-            self._limit, self._failed = "the error", True
-            return False
-        if self._last is not None:
-            before, error_before = self._last
-            factor = min(factor, safety * (h / before) * (error_before / error) ** power * error**-power)
-        factor = min(max(factor, 0.2), 1.0 if self._failed else self.growth)
-        self._last = (h, max(error, 1e-2))
-        self._recent.append(h)
-        self._accepted_limit = self._limit if h >= 0.99 * self._h else "the next corner of loads or motions"
-        self._failed = False
-        if h < 0.99 * self._h:
-            # the step was cut to hit a corner: the one planned is still good unless this one says otherwise
-            self._h = max(self._h, h * factor) if error < 0.1 else h * factor
-        elif not 1.0 <= factor <= self.keep:
-            self._h = h * factor
-        self._limit = "the error"
-        if self._h >= self.largest:
-            self._h, self._limit = self.largest, "the largest allowed step"
-        return True
+        error, count = float(report.error), int(report.iterations)
+        accepted = bool(step_choice.choose_step(self.numbers, report.converged, error, count, float(h)))
+        if accepted:
+            self._recent.append(h)
+        return accepted
+
+    def took(self, steps: list[float]) -> None:
+        """Take note of ``steps`` [s] that were chosen by ``numbers`` elsewhere, and accepted."""
+        self._recent.extend(steps)
 
     @property
     def exhausted(self) -> bool:
         """See :class:`StepControl`."""
         crawling = len(self._recent) == PATIENCE and sum(self._recent) < PROGRESS * self.duration
-        return crawling or self._h < SMALLEST * self.duration
+        return bool(crawling or self.numbers[step_choice.H] < SMALLEST * self.duration)
 
     @property
     def limit(self) -> str:
         """See :class:`StepControl`."""
-        return self._accepted_limit
+        return self.in_words(int(self.numbers[step_choice.ACCEPTED]))
+
+    @staticmethod
+    def in_words(limit: int) -> str:
+        """Return what limited a step in words."""
+        return LIMITS[limit]

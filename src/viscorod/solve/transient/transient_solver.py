@@ -6,18 +6,20 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Protocol
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import History, Records
+from viscorod.solve.history import History, Records, Snapshot
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
+from viscorod.solve.transient.many_steps import MOST_STEPS, ManySteps
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
 
@@ -25,6 +27,9 @@ MOST_NOTES = 20
 
 AT_ONCE = 32
 """States within one step that are in memory at once."""
+
+LONG = 300
+"""Steps after which a run counts as a long one."""
 
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
@@ -66,6 +71,16 @@ class TransientResult:
     between_steps: bool = False
 
 
+class Notes(Protocol):
+    """Keeps some of the states of a motion, at the ends of steps."""
+
+    def coming(self, steps: int) -> list[int]:
+        """Return after which of the next ``steps``, counted from 1, it wants to see the state."""
+
+    def passed(self, steps: int, t: float, state: Callable[[], Snapshot]) -> None:
+        """Take note of so many steps since the last call, the last of which ends at ``t`` [s] in ``state``."""
+
+
 class Transient:
     """Runs an integrator over a time span.
 
@@ -99,6 +114,9 @@ class Transient:
         self.output_interval: float | None = None
         self._progress: Callable[[float, float], None] | None = None
         self._after_step: Callable[[], str] | None = None
+        self._notes: Notes | None = None
+        self._patient = True
+        self.many: ManySteps | None = None
 
     def run(
         self,
@@ -110,6 +128,8 @@ class Transient:
         history: History | None = None,
         checkpoint: SavedTree = None,
         after_step: Callable[[], str] | None = None,
+        patient: bool = True,
+        notes: Notes | None = None,
         watch: EventWatch | None = None,
     ) -> TransientResult:
         """Integrate from ``state`` at t = 0 to ``duration`` [s].
@@ -121,11 +141,14 @@ class Transient:
             history: that records; None keeps everything in memory.
             checkpoint: from :meth:`saved` of a run that was stopped; this one goes on from there.
             after_step: called after every step; returns why the run is to stop, or nothing.
+            patient: that may be called after some short steps that are taken at once, too.
+            notes: keeps some states.
             watch: checks every step for events, which may end the run.
         """
         self.watch = watch or EventWatch([])
         self.output_interval, self.duration = output_interval, duration
-        self._progress, self._after_step = progress, after_step
+        self._progress, self._after_step, self._notes = progress, after_step, notes
+        self._patient = patient
         self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
         try:
             self._integrate(state, checkpoint)
@@ -174,81 +197,152 @@ class Transient:
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
         account.branches = np.zeros(len(self.problem.relaxation_times))
+        self._look_for_many(long=False)
         if record:
             self.result.history.record(0.0, integrator.snapshot(), account, 0.0, 0)
             self.watch.begin(0.0, integrator.snapshot())
 
     def integrate_to(self, corner: float) -> bool:
         """Integrate to the time ``corner`` [s], for which the step control is set; False if the run ends before."""
-        integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
+        integrator = self.integrator
         while integrator.t < corner:
-            t = integrator.t
-            end = control.next_end(t)
-            if self.halved is not None:
-                self.halved.prepare(effort.steps, integrator, end - t)
-            report = integrator.attempt(end, before=end == corner)
-            effort.iterations += report.iterations
-            result.report = report
-            if not control.accepts(report, end - t):
-                effort.rejected += 1
-                if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
-                    result.notes.append(f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened")
-                if control.exhausted:
-                    result.outcome, result.failed_at = report.outcome, end
-                    if report.converged:
-                        result.outcome = Outcome.TOO_SMALL
-                    return False
-                continue
-            before, began = self.account.copy(), integrator.state
-            integrator.accept()
-            if self.halved is not None:
-                self.halved.compare(effort.steps, integrator, began, end - t, left=end == corner)
-            if not integrator.strain < LARGEST_STRAIN:
-                result.outcome, result.failed_at = Outcome.BROKEN, end
+            if not self._take_one(corner):
                 return False
-            self.account.add(integrator)
-            effort.steps += 1
-            if end - t < effort.smallest_step:
-                effort.smallest_step, effort.smallest_at = end - t, t
-                effort.smallest_why = self._limit_in_words(report)
-            if self._progress is not None:
-                self._progress(end, end - t)
-            stop = self.watch.check_step(integrator, t) if self.watch.monitors else None
-            self._record(before, t, end, stop, report.iterations)
-            if control.exhausted:
-                result.outcome, result.failed_at = Outcome.TOO_SMALL, end
-                return False
-            if stop is not None:
-                return False
-            reason = self._after_step() if self._after_step is not None else ""
-            if reason and end < self.duration:
-                result.outcome, result.reason = Outcome.INTERRUPTED, reason
-                result.between_steps = True
+            if self.many is None and self.effort.steps == LONG:
+                self._look_for_many(long=True)
+            if self.many is not None and integrator.t < corner and not self._take_many(self.many):
                 return False
         return True
+
+    def _look_for_many(self, *, long: bool) -> None:
+        """See whether many steps can be taken at once."""
+        if self._patient and not self.watch.monitors and math.isfinite(self.duration):
+            given = self.duration, self.output_interval
+            self.many = ManySteps.of(self.integrator, self.control, *given, long=long)
+
+    def _take_one(self, corner: float) -> bool:
+        """Try one step; False if the run ends."""
+        integrator, control, effort, result = self.integrator, self.control, self.effort, self.result
+        t = integrator.t
+        end = control.next_end(t)
+        if self.halved is not None:
+            self.halved.prepare(effort.steps, integrator, end - t)
+        report = integrator.attempt(end, before=end == corner)
+        effort.iterations += report.iterations
+        result.report = report
+        if not control.accepts(report, end - t):
+            effort.rejected += 1
+            if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
+                result.notes.append(f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened")
+            if control.exhausted:
+                result.outcome, result.failed_at = report.outcome, end
+                if report.converged:
+                    result.outcome = Outcome.TOO_SMALL
+            return not control.exhausted
+        before, began = self.account.copy(), integrator.state
+        integrator.accept()
+        if self.halved is not None:
+            self.halved.compare(effort.steps, integrator, began, end - t, left=end == corner)
+        if not integrator.strain < LARGEST_STRAIN:
+            result.outcome, result.failed_at = Outcome.BROKEN, end
+            return False
+        self.account.add(integrator)
+        effort.steps += 1
+        if end - t < effort.smallest_step:
+            effort.smallest_step, effort.smallest_at = end - t, t
+            effort.smallest_why = self._limit_in_words(control.limit, report)
+        if self._progress is not None:
+            self._progress(end, end - t)
+        stop = self.watch.check_step(integrator, t) if self.watch.monitors else None
+        self._record(before, t, end, stop, report.iterations)
+        if control.exhausted:
+            result.outcome, result.failed_at = Outcome.TOO_SMALL, end
+            return False
+        if stop is not None:
+            return False
+        if self._notes is not None:
+            self._notes.passed(1, end, integrator.snapshot)
+        return self._goes_on(end)
+
+    def _goes_on(self, end: float) -> bool:
+        """Return whether the run goes on after a step to ``end`` [s]."""
+        reason = self._after_step() if self._after_step is not None else ""
+        if not reason or end >= self.duration:
+            return True
+        self.result.outcome, self.result.reason = Outcome.INTERRUPTED, reason
+        self.result.between_steps = True
+        return False
+
+    def _take_many(self, many: ManySteps) -> bool:
+        """Take compiled steps until one is to be taken by itself; False if the run ends."""
+        effort, halved, notes, t = self.effort, self.halved, self._notes, self.integrator.t
+        if not many.ready:
+            return True
+        tried = halved is not None and halved.tries(effort.steps, self.control.next_end(t) - t)
+        if tried or (halved is not None and halved.waiting):
+            return True
+        before, after = self.account, self.account.copy()
+        marks = [] if notes is None else notes.coming(MOST_STEPS)
+        taken = many.take(effort.steps, marks, halved, before)
+        effort.iterations += taken.iterated
+        effort.rejected += taken.rejected
+        for k, h in enumerate(taken.lengths):
+            if halved is not None:
+                halved.passed(effort.steps, h)
+            effort.steps += 1
+            if h < effort.smallest_step:
+                effort.smallest_step, effort.smallest_at = h, taken.starts[k]
+                effort.smallest_why = self._limit_in_words(many.limit(taken, k), many.report(taken, k))
+        if taken.ends:
+            self.result.report = many.report(taken, len(taken.ends) - 1)
+            records = many.records(before)
+            many.bring(after)
+            self.account = after
+            if records is not None:
+                self.result.history.extend(*records)
+            if notes is not None:
+                seen = 0
+                for count, state in many.marked(taken, marks):
+                    notes.passed(count - seen, taken.ends[count - 1], state)
+                    seen = count
+                if seen < len(taken.ends):
+                    notes.passed(len(taken.ends) - seen, self.integrator.t, self.integrator.snapshot)
+        if self._progress is not None:  # which may end the run: states are recorded by now
+            for end, h in zip(taken.ends, taken.lengths, strict=True):
+                self._progress(end, h)
+        many.check()
+        if taken.broken:
+            self.result.outcome, self.result.failed_at = Outcome.BROKEN, self.integrator.t
+            return False
+        return not taken.ends or self._goes_on(taken.ends[-1])
 
     def _record(
         self, before: EnergyAccount, t: float, end: float, stop: float | None, iterations: int
     ) -> None:
         """Record what is due of the step from ``t`` to ``end`` [s], or to where the run stops in it."""
-        integrator, account, history = self.integrator, self.account, self.result.history
+        integrator, history = self.integrator, self.result.history
         times = self._record_times(t, end, self.output_interval, end == self.duration)
         if stop is not None:
             times = [*(at for at in times if at < stop), stop]
-        parts = [part for part in ((at - t) / (end - t) for at in times) if part <= 1.0 - 1e-9]
-        least, after = -np.inf, account.copy()
+        if not times:
+            return
+        parts = [(at - t) / (end - t) for at in times]
+        while parts and parts[-1] > 1.0 - 1e-9:
+            parts.pop()
+        least, after = -np.inf, self.account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
             states, share = integrator.between(some)
             loss = share.loss
             loss[0] = max(loss[0], least)
-            np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
+            if len(loss) > 1:
+                np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
             least = loss[-1]
             energy = EnergiesWithin(before, after, some, states.kinetic, share)
             instants = times[begin : begin + len(some)]
             history.extend(instants, Records(states, energy), end - t, iterations)
         if len(times) > len(parts):
-            history.record(times[-1], integrator.snapshot(), account, end - t, iterations)
+            history.record(times[-1], integrator.snapshot(), after, end - t, iterations)
 
     def saved(self) -> SavedTree:
         """Return the state from which another run of the same model can go on."""
@@ -276,9 +370,8 @@ class Transient:
         times = [k * output_interval for k in range(first, last + 1)]
         return [*times, end] if final and (not times or times[-1] < end * (1.0 - 1e-9)) else times
 
-    def _limit_in_words(self, report: StepReport) -> str:
+    def _limit_in_words(self, limit: str, report: StepReport) -> str:
         """Say what limited an accepted step."""
-        limit = self.control.limit
         if limit in ("the error", "convergence of Newton's method"):
             return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
         return limit

@@ -18,7 +18,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.energy_account import StepShare
+from viscorod.solve.energy_account import NO_LOSS, StepShare
 from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
@@ -27,6 +27,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
@@ -59,7 +60,7 @@ _OUTCOME = {
 }
 
 
-SCRATCH = frozenset({"_ad", "_points", "actions"})
+SCRATCH = frozenset({"_ad", "_parts", "_points", "_reached", "actions"})
 """What every step computes anew."""
 
 
@@ -135,7 +136,9 @@ class Collocation:
         self._kept = Kept(
             self._force, self._reaction, self._stress, self.predictor.X, self.predictor.stresses
         )
-        self._try_step, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self._parts = StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch)
+        self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
+        self.trying, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
         self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
@@ -180,10 +183,10 @@ class Collocation:
         links = self.stage_constraints
         if links is not None and links.turn_axes(self.t, self.state):
             self._have_jacobian = False
-        self._prepare_step(end, before)
+        self.prepare_step(end, before)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
-            self._renew_jacobian()
+            self.renew_jacobian()
         # equal steps differ by the rounding of their ends
         if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
@@ -193,7 +196,7 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
-        code, count, size, rate, unknown, error, worst = self._try_step(*self.step_arguments(h))
+        code, count, size, rate, unknown, error, worst = self.trying.call(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
@@ -214,7 +217,9 @@ class Collocation:
 
     def step_arguments(self, h: float) -> tuple[Any, ...]:
         """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""
-        state = self.state
+        state, factors = self.state, self.systems.factors
+        if self._parts.factors is not factors:
+            self._parts = self._parts._replace(factors=factors)
         return (
             self.body,
             self.tableau,
@@ -222,13 +227,41 @@ class Collocation:
             h,
             self.actions.motion,
             self.actions.stage_loads,
-            StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch),
+            self._parts,
             IterationLimits(self.newton_tolerance, self.iterations, self._rate),
             self.ends,
             self.forces.motion,
             None if self.stage_constraints is None else self.stage_constraints.arrays,
             None if self.dashpots is None else self.dashpots.step,
         )
+
+    @property
+    def lent(self) -> Lent:
+        """What the compiled loop of steps works on."""
+        return Lent(self._parts, self._kept, self._force, self.recorder.reading, self.recorder.start_rate)
+
+    def lend(self, state: State) -> Course:
+        """Let the compiled loop go on, which changes the arrays of ``state``, the present one; return how it stands."""
+        self.systems.provide()
+        self.state = state
+        return Course(self.t, self._factor_step, self._rate, self._have_jacobian, self._fresh_jacobian, 0, 0)
+
+    def take_back(self, state: State, course: Course) -> None:
+        """Go on from where the compiled loop has come to, with arrays of its own."""
+        self.state, self.t = state, course.t
+        self._factor_step, self._rate = course.factor_step, course.rate
+        self._have_jacobian, self._fresh_jacobian = course.have_jacobian, course.fresh_jacobian
+        self.evaluations += course.evaluations
+        self.factorisations += course.factorisations
+
+    def take_step(self, step: StepTaken) -> None:
+        """Take the last step of the compiled loop, which ends at the present state, as the last one."""
+        self._end, self._step = self.t, step.h
+        self.kinetic, self.elastic, self.work, self.loss = step.energies
+        self.outside, self._end_rate = 0.0, step.end.rate
+        self.predictor.keep(step.start[0], step.h)
+        self.recorder.take_over(step.start, step.end, step.strain)
+        self.recorder.record_end(self.state, self.kinetic, self.elastic)
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -274,10 +307,10 @@ class Collocation:
 
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        states, work, loss = self.recorder.between(
+        states, work, loss, nothing = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
-        outside = actuator = np.zeros(len(parts))
+        outside = actuator = nothing
         if len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
             outside = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[2])
         if len(self.stages.rest):
@@ -294,7 +327,7 @@ class Collocation:
     @property
     def branch_loss(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return np.zeros(0) if self.dashpots is None else self.dashpots.loss
+        return NO_LOSS if self.dashpots is None else self.dashpots.loss
 
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: factors follow from the Jacobian."""
@@ -337,7 +370,7 @@ class Collocation:
         del error, unknown
         return 0.0, 0
 
-    def _prepare_step(self, end: float, before: bool) -> None:
+    def prepare_step(self, end: float, before: bool) -> None:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""
         self.actions.look_within(self.t, end)
         for i, c in enumerate(self.tableau.nodes):
@@ -361,14 +394,16 @@ class Collocation:
     def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Make the last stage, ``end`` with its kinetic energy [J], the new state."""
         self.state = State(end.r, end.q, end.twist, self.state.multiplier)
-        self.forces.set_strains(self._whole_strain(self._last))
-        if len(self.supports.partial):
+        if self.forces.motion is not None:
+            self.forces.set_strains(self._whole_strain(self._last))
+        partial = len(self.supports.partial) > 0
+        if partial:
             self.actions.move_supports(self._end, before=True)
             self.supports.project_twists(self.state)
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
-        if len(self.supports.partial) or self.stage_constraints is not None:  # twists have been projected
+        if partial or self.stage_constraints is not None:  # twists have been projected
             kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._end_rate, self.kinetic = end.rate, kinetic
         self.recorder.record_end(self.state, kinetic, self.elastic)
@@ -423,10 +458,10 @@ class Collocation:
             state, points, supports.global_reactions(state), self.kinetic, self.elastic
         )
 
-    def _renew_jacobian(self) -> None:
+    def renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        self._adjoint(state.twist, self._ad)
+        self._adjoint.call(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -434,7 +469,7 @@ class Collocation:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        self._add_inertia(
+        self._add_inertia.call(
             body.mass,
             state.twist,
             self._ad,
@@ -445,7 +480,7 @@ class Collocation:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        self._project(
+        self._project.call(
             body.supports,
             self.supports.target,
             self._reaction,

@@ -18,6 +18,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
@@ -130,11 +131,14 @@ class GeneralizedAlpha:
         self._map = np.zeros((n, 6, 6))
         self._fresh = True
         self._held = supports.set.nodes[supports.complete]
+        self._retract, self._inverse = KnownTypes(retract), KnownTypes(inverse_motion_tangent)
+        self._add_rate, self._add_mapped = KnownTypes(inertia.add_momentum_rate), KnownTypes(add_mapped)
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        system, supports = self.system, self.supports
+        system, supports, rows = self.system, self.supports, np.ascontiguousarray
         mass = system.problem.mass
+        state.r, state.q, state.twist = rows(state.r), rows(state.q), rows(state.twist)
         supports.update(t, False)
         system.constraints.update(t)
         supports.prescribe(state)
@@ -385,7 +389,7 @@ class GeneralizedAlpha:
         """
         system = self.system
         self._update_state(new, increment, relation)
-        inverse_motion_tangent(increment, relation.slope, self._map)
+        self._inverse.call(increment, relation.slope, self._map)
         self._map[self._held] = 0.0
         system.constraints.pace = relation.slope
         system.assemble(new, loads, self._map, tangent=True, moving=True)
@@ -393,15 +397,16 @@ class GeneralizedAlpha:
         self.supports.impose(new, residual, system.matrix, tangent=True)
         system.matrix.factorise()
         change = system.matrix.solve(-residual)
-        new.multiplier += system.multiplier_change(change)
-        change = np.ascontiguousarray(change[: system.problem.size])
-        add_mapped(self._map, change, 1.0 / relation.slope, increment)
+        if system.problem.multipliers:
+            new.multiplier += system.multiplier_change(change)
+        change = change[: system.problem.size]
+        self._add_mapped.call(self._map, change, 1.0 / relation.slope, increment)
         system.carry_stress(change)
         return residual, change
 
     def _update_state(self, new: State, increment: Floats, relation: Relation) -> None:
         """Write the poses and twists that belong to an increment."""
-        retract(self.state.r, self.state.q, increment, new.r, new.q)
+        self._retract.call(self.state.r, self.state.q, increment, new.r, new.q)
         np.multiply(increment, relation.slope, out=new.twist)
         new.twist += relation.constant
         self.supports.prescribe(new)
@@ -409,7 +414,7 @@ class GeneralizedAlpha:
     def _residual(self, new: State, relation: Relation, *, tangent: bool) -> Floats:
         system = self.system
         residual = system.residual()
-        inertia.add_momentum_rate(
+        self._add_rate.call(
             system.problem.mass,
             new.r,
             new.q,

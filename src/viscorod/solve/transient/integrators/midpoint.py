@@ -47,11 +47,13 @@ class Midpoint(Collocation):
         if self.stage_constraints is not None and self._age >= self.oldest:
             self._have_jacobian = False
 
-    def _renew_jacobian(self) -> None:
-        super()._renew_jacobian()
+    def renew_jacobian(self) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.collocation.Collocation`."""
+        super().renew_jacobian()
         self._age = 0
 
-    def _prepare_step(self, end: float, before: bool) -> None:
+    def prepare_step(self, end: float, before: bool) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.collocation.Collocation`."""
         h = end - self.t
         motion, supports = self.actions.motion, self.supports
         self.actions.look_within(self.t, end)

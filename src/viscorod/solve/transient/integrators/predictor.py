@@ -30,7 +30,7 @@ class Predictor:
             ``(s + 1, e, points, 6)``; written from outside (see ``record_kernels``).
     """
 
-    unsaved = frozenset({"_gap", "_stages_stress", "_stress", "_weights"})
+    unsaved = frozenset({"gap", "_stages_stress", "_stress", "_weights"})
 
     def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
         self.body, self.stages, self.tableau = body, stages, tableau
@@ -38,13 +38,13 @@ class Predictor:
         self._several = s > 1
         through = np.poly(tableau.nodes)
         # coefficients of the powers 1 to s + 1 of the polynomial with the rate 1 at the start and 0 at the stages
-        self._gap = np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
+        self.gap = np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
         self.X = np.empty(stages.X.shape)
         self.stresses = np.empty((s + 1, *stages.stress.shape[1:]))
         self._stress = self.stresses.reshape(s + 1, -1)
         self._stages_stress = stages.stress.reshape(s, -1)
         self._weights = np.empty((s, s + 1))
-        self._extrapolate = KnownTypes(extrapolate_step)
+        self.extrapolation = KnownTypes(extrapolate_step)
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
 
@@ -57,6 +57,11 @@ class Predictor:
         if self._several:
             self._old, self._step = state, h
 
+    @property
+    def last(self) -> tuple[State, float] | None:
+        """Start of the last step, and its length [s], if it is known."""
+        return None if self._old is None else (self._old, self._step)
+
     def predict(self, state: State, stress: Floats, h: float) -> None:
         """Write the stages of a step of ``h`` [s] from ``state``, where the stresses are ``(e, points, 6)``.
 
@@ -68,9 +73,9 @@ class Predictor:
             stages.X[:, body.held != 0.0] = 0.0
             stages.stress[:] = stress
             return
-        self._extrapolate(
+        self.extrapolation.call(
             tableau,
-            self._gap,
+            self.gap,
             LastStep(self._step, old.r, old.q, old.twist, self.X, self._stress),
             h,
             state.r,

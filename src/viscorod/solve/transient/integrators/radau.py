@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
@@ -50,6 +51,7 @@ class Radau(Collocation):
         self.estimate_order = stages
         super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
+        self.turned = KnownTypes(largest_turn)
 
     def _newton_tolerance(self) -> float:
         return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
@@ -71,13 +73,12 @@ class Radau(Collocation):
         self.newton_tolerance = max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
-        last, stages = self._last, self.stages
-        self._turn, node = largest_turn(stages.X[last])
-        reached = State(stages.r[last], stages.q[last], stages.twist[last], self.state.multiplier)
-        unseen, where = self._unseen()
-        if unseen > error:
-            error, unknown = unseen, where
-        error /= self.step_factor * self.tolerance.at(self._end, reached)
+        self._turn, node = self.turned.call(self.stages.X[self._last])
+        if self.actions.content is not None:
+            unseen, where = self._unseen()
+            if unseen > error:
+                error, unknown = unseen, where
+        error /= self.step_factor * self.tolerance.at(self._end, self._reached)
         too_far = (self._turn / self.largest_turn) ** (self.estimate_order + 1)
         return (too_far, 6 * node + 3) if too_far > error else (error, unknown)
 

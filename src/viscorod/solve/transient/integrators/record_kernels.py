@@ -206,13 +206,15 @@ class ResultFields(NamedTuple):
 
 
 class Between(NamedTuple):
-    """Everything at ``k`` parts of a step.
+    """Everything at ``k`` parts of a step, from ``row`` on.
 
     Attributes:
+        row: index of the first part in the arrays, which may have more.
         r, q, twist: of the nodes ``(k, n, ...)``; fields: as in :class:`ResultFields`.
-        energies: kinetic; work and viscous loss since the start of the step ``(3, k)`` [J].
+        energies: kinetic; work and viscous loss since the start of the step, and nothing ``(4, k)`` [J].
     """
 
+    row: int
     r: Floats
     q: Floats
     twist: Floats
@@ -223,11 +225,12 @@ class Between(NamedTuple):
     def of(cls, count: int, nodes: int, points: int, supports: int) -> Between:
         """Allocate for ``count`` parts."""
         return cls(
+            0,
             np.empty((count, nodes, 3)),
             np.empty((count, nodes, 4)),
             np.empty((count, nodes, 6)),
             ResultFields(np.empty((3, count, points, 6)), np.empty((count, supports, 6))),
-            np.empty((3, count)),
+            np.zeros((4, count)),
         )
 
     def first(self, count: int) -> Between:
@@ -262,7 +265,8 @@ def between_stages(
     """Interpolate fields, and integrate powers, up to the place ``parts[k]`` of a step."""
     start, start_reaction = begin.points, begin.reactions
     out, reaction = found.fields.points, found.fields.reactions
-    top, powers = stages.strain.shape[2], stages.powers
+    top, powers, place = stages.strain.shape[2], stages.powers, parts[k]
+    k += found.row
     work = lost = 0.0
     for g in range(places.shape[0]):
         for a in range(6):
@@ -272,11 +276,11 @@ def between_stages(
         for a in range(6):
             reaction[k, m, a] = start_reaction[m, a]
     for i in range(stages.strain.shape[0]):
-        power, c, integral = parts[k], 0.0, 0.0
+        power, c, integral = place, 0.0, 0.0
         for p in range(stages.strain.shape[0]):
             c += method.values[i, p] * power
             integral += method.integrals[i, p] * power
-            power *= parts[k]
+            power *= place
         work += h * powers[0, i] * integral
         lost += h * powers[1, i] * integral
         for g in range(places.shape[0]):
@@ -320,13 +324,29 @@ def read_between(
     """
     if poses:
         start_rates(method, h, stages.twist, start.twist, start.rate)
-        smooth = stages.twist.shape[0] > 1
+        smooth, first = stages.twist.shape[0] > 1, found.row
+        until = first + parts.shape[0]
         interpolate_poses(
-            parts, h, start, end, reading.split, smooth, found.r, found.q, found.twist, reading.scratch
+            parts,
+            h,
+            start,
+            end,
+            reading.split,
+            smooth,
+            found.r[first:until],
+            found.q[first:until],
+            found.twist[first:until],
+            reading.scratch,
         )
     if fields:
         loss = 0.0
         for k in range(parts.shape[0]):
             between_stages(parts, k, h, method, begin, stages, reading.places, found)
-            loss = max(loss, min(found.energies[2, k], whole_loss))  # interpolation must not give energy back
-            found.energies[0, k], found.energies[2, k] = kinetic_energy(reading.mass, found.twist[k]), loss
+            row = found.row + k
+            loss = max(
+                loss, min(found.energies[2, row], whole_loss)
+            )  # interpolation must not give energy back
+            found.energies[0, row], found.energies[2, row] = (
+                kinetic_energy(reading.mass, found.twist[row]),
+                loss,
+            )

@@ -24,10 +24,10 @@ class StageSystems:
         dashpots: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:
-        factors: for compiled code, others after every factorisation.
+        factors: for compiled code; the same object as long as the plan is.
     """
 
-    unsaved = frozenset({"_pair_blocks", "_real_blocks", "_wanted"})
+    unsaved = frozenset({"_eigenvalues", "_pair_blocks", "_real_blocks", "_wanted"})
 
     def __init__(
         self,
@@ -38,12 +38,13 @@ class StageSystems:
         dashpots: StageDashpots | None,
     ) -> None:
         self.body, self.tableau, self.dashpots = body, tableau, dashpots
+        self._eigenvalues: list[complex] = tableau.pairs.tolist()
         blocks, pairs = len(body.pattern.rows), len(tableau.pairs)
         self.real, self.pairs = DirectSolver(plan), StackedSolvers(plan, pairs)
         self._real_blocks = np.zeros((blocks, 6, 6))
         self._pair_blocks = np.zeros((pairs, blocks, 6, 6), dtype=complex)
         self._wanted: tuple[Matrices, float] | None = None
-        self._real_of, self._pair_of = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
+        self.combination, self.pair_combination = KnownTypes(jacobian.combine), KnownTypes(jacobian.combine)
         self.factors = StageFactors(
             self.real.factors,
             self.pairs.factors,
@@ -51,6 +52,11 @@ class StageSystems:
             np.ones((pairs, len(scales))),
             scales,
         )
+
+    @property
+    def blocks(self) -> tuple[Floats, Floats]:
+        """Blocks of the real and of the complex matrices, which factorisations overwrite."""
+        return self._real_blocks, self._pair_blocks
 
     def want(self, matrices: Matrices, h: float) -> None:
         """Factorise for the step ``h`` [s] as soon as the factors are needed, unless others are before."""
@@ -64,16 +70,17 @@ class StageSystems:
     def factorise(self, matrices: Matrices, h: float) -> bool:
         """Factorise for the step ``h`` [s]; False if a matrix is singular."""
         self._wanted = None
-        rows, pair_rows = self.factors.real_rows, self.factors.pair_rows
-        self._combine(self._real_of, matrices, self.tableau.real / h, rows, self._real_blocks)
-        for m, pair in enumerate(self.tableau.pairs.tolist()):
-            self._combine(self._pair_of, matrices, pair / h, pair_rows[m], self._pair_blocks[m])
+        real, pairs, rows, pair_rows, _ = self.factors
+        self._combine(self.combination, matrices, self.tableau.real / h, rows, self._real_blocks)
+        for m, pair in enumerate(self._eigenvalues):
+            self._combine(self.pair_combination, matrices, pair / h, pair_rows[m], self._pair_blocks[m])
         try:
             self.real.factorise(self._real_blocks)
             self.pairs.factorise(self._pair_blocks)
         except SingularMatrixError:
             return False
-        self.factors = self.factors._replace(real=self.real.factors, pairs=self.pairs.factors)
+        if real is not self.real.factors or pairs is not self.pairs.factors:
+            self.factors = self.factors._replace(real=self.real.factors, pairs=self.pairs.factors)
         return True
 
     def solve_real(self, right: Floats) -> Floats:
@@ -85,21 +92,22 @@ class StageSystems:
 
     def check(self) -> None:
         """Raise what went wrong in solutions within compiled code."""
-        self.real.check()
-        self.pairs.check()
+        if not self.real.plan.banded or not self.pairs.plan.banded:
+            self.real.check()
+            self.pairs.check()
 
     def _combine(
         self, combine: KnownTypes, matrices: Matrices, mu: complex, rows: Floats, blocks: Floats
     ) -> None:
-        body, pattern = self.body, self.body.pattern
-        combine(
+        body = self.body
+        combine.call(
             matrices.K if self.dashpots is None else self.dashpots.add_stiffness(matrices, mu),
             matrices.C,
             matrices.mass,
             mu,
             body.supports,
             matrices.directions,
-            pattern,
+            body.pattern,
             self.factors.scales,
             rows,
             blocks,

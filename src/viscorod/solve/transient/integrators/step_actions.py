@@ -49,9 +49,9 @@ class StepActions:
         if self.content is not None:
             self.content.look(start, end)
 
-    def means(self, i: int) -> dict[int, float]:
-        """Return the factors at stage ``i`` of loads that are records, by their number."""
-        return {} if self.content is None else {k: float(v[i]) for k, v in self.content.courses.items()}
+    def means(self, i: int) -> dict[int, float] | None:
+        """Return the factors at stage ``i`` of loads that are records, by number; None if nothing is looked at."""
+        return None if self.content is None else {k: float(v[i]) for k, v in self.content.courses.items()}
 
     def unseen(self, t: float, state: State) -> Floats | None:
         """Return what loads do between the stages, as forces ``(n, 6)`` in body components; None: nothing."""

@@ -44,7 +44,7 @@ class StepRecorder:
 
     snapshot: Snapshot
 
-    unsaved = frozenset({"_reactions", "_start", "_start_rate"})
+    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "start_rate"})
 
     def __init__(
         self,
@@ -59,14 +59,16 @@ class StepRecorder:
     ) -> None:
         self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
-        self._reading = Reading.of(places, body.mass, body.split, body.supports)
+        self._held = supports.moving and body.partly  # poses within steps are corrected
+        self._inner = tableau.exact_inside
+        self.reading = Reading.of(places, body.mass, body.split, body.supports)
         self.stage_constraints, self.solve_real = stage_constraints, solve_real
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
-        self._start_rate = np.zeros(stages.twist.shape[1:])
+        self.start_rate = np.zeros(stages.twist.shape[1:])
         self._reactions = np.zeros(stages.reaction.shape)
-        self._end_step, self._read_between = KnownTypes(end_step), KnownTypes(read_between)
+        self.ending, self.reading_between = KnownTypes(end_step), KnownTypes(read_between)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -77,7 +79,7 @@ class StepRecorder:
             state: poses and twists; points: one stage of Gauss points in that state.
             reaction: global wrenches of the supports ``(supports, 6)``; kinetic, elastic: energies [J].
         """
-        places = self._reading.places
+        places = self.reading.places
         self._fields = np.empty((3, len(places), 6))
         self.strain = read_state(points.strain, points.strain_rate, points.stress, places, self._fields)
         self._take(state, reaction, kinetic, elastic)
@@ -91,13 +93,26 @@ class StepRecorder:
             the end; its kinetic energy [J]; work, viscous loss, and what loads dissipate outside [J].
         """
         self._start = (state, self._fields, self.snapshot.reaction)
-        end = StepEnd.of(self.stages, self._reading)
-        kinetic, self.strain, *shares = self._end_step(
-            h, self.tableau, self.stages, account, self.motion.target, self._reading, kept, end
+        end = StepEnd.of(self.stages, self.reading)
+        kinetic, self.strain, work, loss, outside = self.ending.call(
+            h, self.tableau, self.stages, account, self.motion.target, self.reading, kept, end
         )
         self._fields, self._reactions = end.points, end.reactions
-        work, loss, outside = shares
         return end, kinetic, (work, loss, outside)
+
+    @property
+    def present(self) -> tuple[Floats, Floats]:
+        """Fields ``(3, m, 6)`` and global reactions ``(supports, 6)`` at the present time."""
+        return self._fields, self.snapshot.reaction
+
+    def take_over(self, start: tuple[State, Floats, Floats], end: StepEnd, strain: float) -> None:
+        """Take a step that was accepted elsewhere.
+
+        Args:
+            start: state, fields and reactions there; end: of the step; strain: largest shear or stretch there.
+        """
+        self._start, self.strain = start, strain
+        self._fields, self._reactions = end.points, end.reactions
 
     def record_end(self, state: State, kinetic: float, elastic: float) -> None:
         """Record a ``state`` that is the last stage's; kinetic, elastic: energies [J]."""
@@ -117,8 +132,8 @@ class StepRecorder:
         end_rate: Floats,
         powers: Floats,
         whole_loss: float,
-    ) -> tuple[Snapshots, Floats, Floats]:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and work and loss ``(k,)`` [J] up to there.
+    ) -> tuple[Snapshots, Floats, Floats, Floats]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, work and loss ``(k,)`` [J] up to there, zeros.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
         towards the stages if they are many; Gauss points and reactions follow the stages.
@@ -130,23 +145,23 @@ class StepRecorder:
             whole_loss: viscous, of the step [J].
         """
         (old, start, start_reaction), stages = self._start, self.stages
-        count, held, inner = len(parts), self.supports.moving and self.body.partly, self.tableau.exact_inside
+        count, held, inner = len(parts), self._held, self._inner
         found = Between.of(count + len(inner), len(new.r), start.shape[1], len(start_reaction))
         given = (
             h,
             self.tableau,
-            MovingPoses(old.r, old.q, old.twist, self._start_rate),
+            MovingPoses(old.r, old.q, old.twist, self.start_rate),
             MovingPoses(new.r, new.q, new.twist, end_rate),
             ResultFields(start, start_reaction),
             StageFields(
                 stages.twist, stages.strain, stages.strain_rate, stages.stress, self._reactions, powers
             ),
             whole_loss,
-            self._reading,
+            self.reading,
         )
         corrected = held or len(inner) > 0
         places = np.append(parts, inner) if len(inner) else parts
-        self._read_between(places, *given, True, not corrected, found)
+        self.reading_between.call(places, *given, True, not corrected, found)
         if len(inner):
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
@@ -160,11 +175,11 @@ class StepRecorder:
             for state, part in zip(states, parts, strict=True):
                 self.supports.correct(state, t - (1.0 - part) * h)
         if corrected:
-            self._read_between(parts, *given, False, True, found)
+            self.reading_between.call(parts, *given, False, True, found)
         joints = None
         if self.stage_constraints is not None:
             joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
-        (strain, rate, force), (kinetic, work, loss) = found.fields.points, found.energies
+        (strain, rate, force), (kinetic, work, loss, nothing) = found.fields.points, found.energies
         snapshots = Snapshots(
             found.r,
             found.q,
@@ -175,10 +190,10 @@ class StepRecorder:
             force,
             found.fields.reactions,
             kinetic,
-            np.zeros(count),
+            nothing,
             joints,
         )
-        return snapshots, work, loss
+        return snapshots, work, loss, nothing
 
 
 def interpolate_states(

@@ -1,0 +1,58 @@
+"""What a collocation method and the compiled loop of steps hand to each other."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from viscorod.solve.formulations.system import State
+from viscorod.solve.transient.integrators.record_kernels import Kept, Reading, StepEnd
+from viscorod.solve.transient.integrators.stage_data import StepParts
+from viscorod.typing import Floats
+
+__all__ = ["Course", "Lent", "StepTaken"]
+
+
+class Lent(NamedTuple):
+    """Arrays that both work on.
+
+    Attributes:
+        parts: as for one step; kept, reading: as for its end.
+        force: what accelerates the nodes at the present time ``(n, 6)``.
+        start_rate: of the twists at the start of the last step ``(n, 6)``.
+    """
+
+    parts: StepParts
+    kept: Kept
+    force: Floats
+    reading: Reading
+    start_rate: Floats
+
+
+class Course(NamedTuple):
+    """How an integration stands: time and step of the factors [s], convergence rate, what there is of a Jacobian.
+
+    ``evaluations`` and ``factorisations`` are those since it was lent.
+    """
+
+    t: float
+    factor_step: float
+    rate: float
+    have_jacobian: bool
+    fresh_jacobian: bool
+    evaluations: int
+    factorisations: int
+
+
+class StepTaken(NamedTuple):
+    """The last step that was taken.
+
+    Attributes:
+        h: its length [s]; start: state, fields and reactions at its start; end: at its end.
+        energies: kinetic, elastic, work and viscous loss of the step [J]; strain: largest shear or stretch at its end.
+    """
+
+    h: float
+    start: tuple[State, Floats, Floats]
+    end: StepEnd
+    energies: tuple[float, float, float, float]
+    strain: float

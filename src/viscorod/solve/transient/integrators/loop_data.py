@@ -1,0 +1,137 @@
+"""Data of the compiled loop of steps: places in its arrays of numbers, what it works on, what comes of it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
+from viscorod.solve.transient.integrators.stage_data import (
+    Discretisation,
+    StageLoads,
+    StepParts,
+    StepStart,
+    SupportMotion,
+)
+from viscorod.typing import Floats, Integers
+
+T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN, CLOCK = range(11)
+"""Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s], its rotation
+[rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end."""
+
+HAVE, FRESH, MOST, STEPS, ROWS, REJECTED, ITERATED, EVALUATED, FACTORISED, NUMBERS = range(10)
+"""Places among the numbers: whether there is a Jacobian, and one of the present step; most steps; then counts."""
+
+TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
+STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, LIMITS = range(6, 16)
+"""Places among the limits: of the error and of Newton's method; the least of the latter if they follow the motion, else
+0, and the factors and the power with which they do; convergence rate from which on a Jacobian is stale, iterations,
+rotation [rad], power of the step in the error; time between records (0: within every step), duration and smallest step
+[s], least records of a step, largest strain."""
+
+NEXT, SETTLED, LONGER, FIRST, TRIALS = range(5)
+"""Places among the trials: number of the next step that is tried again; from which number on one that is longer than
+what follows is; number of the first step."""
+
+REACHED, FULL, ASK, BROKEN, RAISED = range(5)
+"""Why a loop ends: at the corner; enough steps, or arrays are full; the next attempt is Python's; strains are out of
+bounds; an exception in Python."""
+
+
+class LoopModel(NamedTuple):
+    """What is as for one step, see ``try_step``, and ``gap`` as for the predictor."""
+
+    body: Discretisation
+    motion: SupportMotion
+    loads: StageLoads
+    parts: StepParts
+    reading: Reading
+    gap: Floats
+
+
+class LoopSystems(NamedTuple):
+    """Blocks of the real and of the complex matrices, and ``places``, where they go to (see ``factors.reduce``)."""
+
+    real: Floats
+    pairs: Floats
+    slots: Integers
+    kept: Integers
+    targets: Integers
+
+
+class Follows(NamedTuple):
+    """The tolerance that follows a motion: its numbers, see ``amplitude``, and the poses where it began."""
+
+    numbers: Floats
+    r: Floats
+    q: Floats
+
+
+class LoopState(NamedTuple):
+    """The present state, and what the next step and its records begin with.
+
+    Attributes:
+        now, rate: state at the present time, and the rate of its twists ``(n, 6)``.
+        last: of the start of the last step, with rates that records leave there.
+        kept: see ``end_step``; stress, stages_stress: of ``kept.stresses``, and of the stages, in rows.
+        end: scratch; fields: at the present time and at the start of the last step, two stages.
+        weights: scratch of the predictor; follows: the tolerance.
+    """
+
+    now: StepStart
+    last: MovingPoses
+    kept: Kept
+    stress: Floats
+    stages_stress: Floats
+    end: StepEnd
+    points: Floats
+    reactions: Floats
+    weights: Floats
+    follows: Follows
+
+
+MARKS = 8
+"""States at the ends of steps, beside the records, that a loop keeps at most."""
+
+
+class Batch(NamedTuple):
+    """What comes of a loop.
+
+    Attributes:
+        ends, lengths: of the steps [s]; iterations, limits, unknowns: of each (integers ``(3, steps)``).
+        accounts: before the first and after every step: kinetic, elastic, viscous, external ``(steps + 1, 4)``.
+        instants, places: of the records [s], 0 to 1 in their steps; of_step: number of the step.
+        states: of the records, and in the last :data:`MARKS` rows of the ends of some steps: the ``marks``, numbers of
+            steps in ascending order.
+    """
+
+    ends: Floats
+    lengths: Floats
+    notes: Integers
+    accounts: Floats
+    instants: Floats
+    places: Floats
+    of_step: Integers
+    states: Between
+    marks: Integers
+
+
+class Addresses(NamedTuple):
+    """Where the kernels are, and Python functions; 0 where nothing changes in the loads.
+
+    ``message (4,)`` tells Python the time, the end of the step and whether it is a corner.
+    """
+
+    step: int
+    reduce_real: int
+    reduce_pair: int
+    combine_real: int
+    combine_pair: int
+    predict: int
+    turn: int
+    extent: int
+    end: int
+    between: int
+    renew: int
+    prepare: int
+    message: Floats

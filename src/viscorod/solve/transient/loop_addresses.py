@@ -1,0 +1,125 @@
+"""Where the kernels are that the compiled loop of steps calls."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.by_address import address_of
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.mechanics.rotations.rotation import motion_extent
+from viscorod.solve.linear.factors import Factors
+from viscorod.solve.transient.integrators import step_loop
+from viscorod.solve.transient.integrators.loop_data import Addresses, LoopModel, LoopState, LoopSystems
+from viscorod.solve.transient.integrators.predictor import LastStep
+from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
+
+__all__ = ["find_addresses"]
+
+
+def find_addresses(
+    integrator: Radau,
+    model: LoopModel,
+    given: LoopState,
+    systems: LoopSystems,
+    states: Between,
+    renew: int,
+    prepare: int,
+) -> Addresses:
+    """Return the addresses of all kernels, for the types of an integrator's arrays and of the loop's.
+
+    Args:
+        integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
+        renew, prepare: of Python's functions.
+    """
+    body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
+    K, C, mass, _, directions, _ = integrator.matrices
+    real, pairs, real_rows, pair_rows, scales = integrator.systems.factors
+    now, old, reading, found, h = given.now, given.last, model.reading, states, 1.0
+    where = body.supports, directions, body.pattern, scales
+    sides = now.r, now.q, body.split, body.held
+    last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
+    begin = ResultFields(given.points[0], given.reactions[0])
+    account, target = integrator.account, integrator.actions.motion.target
+    at_stages = StageFields(
+        stages.twist,
+        stages.strain,
+        stages.strain_rate,
+        stages.stress,
+        given.end.reactions,
+        account.powers,
+    )
+    reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
+    places = integrator.systems.real.places
+    return Addresses(
+        address_of(integrator.trying, step_loop.ATTEMPTED, lambda: integrator.step_arguments(h)),
+        address_of(
+            integrator.systems.real.reduction,
+            step_loop.NUMBER,
+            lambda: (systems.real, *places, *_factored(real)),
+        ),
+        address_of(
+            integrator.systems.pairs.reduction,
+            step_loop.NUMBER,
+            lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
+        ),
+        address_of(
+            integrator.systems.combination,
+            step_loop.NOTHING,
+            lambda: (K, C, mass, h, *where, real_rows, systems.real),
+        ),
+        address_of(
+            integrator.systems.pair_combination,
+            step_loop.NOTHING,
+            lambda: (K, C, mass, complex(h), *where, pair_rows[0], systems.pairs[0]),
+        ),
+        address_of(
+            integrator.predictor.extrapolation,
+            step_loop.NOTHING,
+            lambda: (tableau, model.gap, last, h, *sides, given.weights, stages.X, given.stages_stress),
+        ),
+        address_of(integrator.turned, step_loop.TURNED, lambda: (stages.X[0],)),
+        address_of(
+            KnownTypes(motion_extent),
+            step_loop.EXTENT,
+            lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
+        ),
+        address_of(
+            integrator.recorder.ending,
+            step_loop.ENDED,
+            lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
+        ),
+        address_of(
+            integrator.recorder.reading_between,
+            step_loop.NOTHING,
+            lambda: (
+                np.zeros(1),
+                h,
+                tableau,
+                old,
+                reached,
+                begin,
+                at_stages,
+                h,
+                reading,
+                True,
+                True,
+                found,
+            ),
+        ),
+        renew,
+        prepare,
+        np.zeros(4),
+    )
+
+
+def _factored(factors: Factors) -> tuple[object, ...]:
+    """Return what a factorisation takes of factors."""
+    return factors.values, factors.fronts, factors.integers, factors.groups, factors.rest
+
+
+def _first(factors: Factors) -> Factors:
+    """Return the factors of the first matrix of a stack."""
+    values, fronts, vector, integers, rows, groups, members, rest = factors
+    return Factors(values[0], fronts[0], vector, integers[0], rows, groups, members, rest[0])

@@ -1,0 +1,398 @@
+"""Many steps of a motion in one compiled call, where they need nothing of Python but loads and Jacobians."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import partial
+from typing import Any, NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.callback import Callback
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import Records, Snapshot, Snapshots
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient import amplitude
+from viscorod.solve.transient.halved_steps import LONGER, SETTLED, HalvedSteps
+from viscorod.solve.transient.integrators import loop_data, step_loop
+from viscorod.solve.transient.integrators.contract import Integrator, StepReport
+from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
+from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
+from viscorod.solve.transient.integrators.record_kernels import (
+    Between,
+    StepEnd,
+)
+from viscorod.solve.transient.integrators.stage_data import StepStart
+from viscorod.solve.transient.loop_addresses import find_addresses
+from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
+from viscorod.solve.transient.step_control import ErrorControl, StepControl
+from viscorod.typing import Floats
+
+__all__ = ["ManySteps", "Taken"]
+
+MOST_STEPS = 64
+"""Steps at once: an interrupt waits for them."""
+MOST_ROWS = 256
+"""States at once."""
+MOST_NODES = 300
+"""Nodes of a model up to which Python between the steps is worth saving."""
+LEAST_STEP = 1e-6
+"""Shortest step over the duration: one by one, steps are watched more closely."""
+
+
+class Taken(NamedTuple):
+    """Steps that were taken.
+
+    Attributes:
+        broken: strains are out of bounds after one more.
+        starts, ends, lengths: of the steps [s]; iterations, limits, unknowns: of each.
+        iterated, rejected: iterations of all attempts, and attempts that were rejected.
+    """
+
+    broken: bool
+    starts: list[float]
+    ends: list[float]
+    lengths: list[float]
+    iterations: list[int]
+    limits: list[int]
+    unknowns: list[int]
+    iterated: int
+    rejected: int
+
+
+class ManySteps:
+    """The compiled loop of steps of one motion.
+
+    Args:
+        integrator, control: that take the steps.
+        duration: of the motion [s]; output_interval: time between records [s], None for all that a step has.
+    """
+
+    def __init__(
+        self,
+        integrator: Radau,
+        control: ErrorControl,
+        duration: float,
+        output_interval: float | None,
+    ) -> None:
+        self.integrator, self.control = integrator, control
+        stages, body, lent = integrator.stages, integrator.body, integrator.lent
+        n, s = len(body.mass), len(integrator.tableau.nodes)
+        fields, reaction = integrator.recorder.present
+        points, supports = fields.shape[1], len(reaction)
+        self._points, self._reactions = np.empty((2, 3, points, 6)), np.empty((2, supports, 6))
+        predictor = integrator.predictor
+        self._state = loop_data.LoopState(
+            StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
+            MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
+            lent.kept,
+            predictor.stresses.reshape(s + 1, -1),
+            stages.stress.reshape(s, -1),
+            StepEnd.of(stages, lent.reading),
+            self._points,
+            self._reactions,
+            np.empty((s, s + 1)),
+            _followed(integrator.tolerance, n),
+        )
+        self._model = loop_data.LoopModel(
+            body,
+            integrator.actions.motion,
+            integrator.actions.stage_loads,
+            lent.parts,
+            lent.reading,
+            predictor.gap,
+        )
+        self._systems = loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
+        rows = MOST_ROWS
+        self._batch = loop_data.Batch(
+            np.zeros(MOST_STEPS),
+            np.zeros(MOST_STEPS),
+            np.zeros((3, MOST_STEPS), dtype=np.int64),
+            np.zeros((MOST_STEPS + 1, 4)),
+            np.zeros(rows),
+            np.zeros(rows),
+            np.zeros(rows, dtype=np.int64),
+            Between.of(rows + loop_data.MARKS, n, points, supports),
+            np.zeros(loop_data.MARKS, dtype=np.int64),
+        )
+        self._clock, self._trials = np.zeros(loop_data.CLOCK), np.zeros(loop_data.TRIALS)
+        self._numbers = np.zeros(loop_data.NUMBERS, dtype=np.int64)
+        self._limits = np.zeros(loop_data.LIMITS)
+        order = float(integrator.estimate_order + 1)
+        self._follows = type(integrator.tolerance) is PartOfMotion
+        self._limits[loop_data.FOLLOWS : loop_data.LIMITS] = (
+            LEAST_CHANGE if self._follows else 0.0,
+            integrator.step_factor,
+            integrator.newton_factor,
+            integrator.newton_power,
+            integrator.stale,
+            integrator.iterations,
+            integrator.largest_turn,
+            order,
+            0.0 if output_interval is None else output_interval,
+            duration,
+            LEAST_STEP * duration,
+            s + 1,
+            100.0,
+        )
+        self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
+        self._addresses: loop_data.Addresses | None = None
+        self._steps = KnownTypes(step_loop.take_steps)
+        self._began = 0.0  # of the steps that are taken at once [s]
+
+    @classmethod
+    def of(
+        cls,
+        integrator: Integrator,
+        control: StepControl,
+        duration: float,
+        output_interval: float | None,
+        *,
+        long: bool,
+    ) -> ManySteps | None:
+        """Return what takes many steps of an integrator under a control at once; None if nothing can.
+
+        Nothing is compiled for that. Machine code on disk is loaded for a ``long`` run, or if there was one before.
+        """
+        if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
+            return None
+        problem, systems = integrator.system.problem, integrator.systems
+        serves = (
+            problem.size <= MOST_NODES
+            and not (problem.constrained or problem.relaxing or problem.motion_loads)
+            and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
+            and not len(integrator.supports.partial)
+            and systems.real.plan.banded
+            and not len(integrator.tableau.exact_inside)
+            and integrator.actions.content is None
+            and _serves(integrator.tolerance)
+            and _worth_loading(integrator, long=long)
+        )
+        return cls(integrator, control, duration, output_interval) if serves else None
+
+    @property
+    def ready(self) -> bool:
+        """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
+        factors, known = self.integrator.systems.factors, self._model.parts.factors
+        return factors is known and self.integrator.predictor.last is not None
+
+    def take(
+        self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
+    ) -> Taken:
+        """Take steps up to the corner that the control has.
+
+        Args:
+            number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
+            halved: that tries some again; account: before them.
+        """
+        batch, numbers = self._batch, self._numbers
+        self._begin(account)
+        trials = self._trials
+        trials[:] = -1.0, SETTLED, np.inf, number
+        if halved is not None:
+            trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
+        numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
+        batch.marks[:] = 0
+        batch.marks[: len(marks)] = marks[: loop_data.MARKS]
+        why = self._steps.call(*self._arguments(self._addressed()))
+        self._finish()
+        steps = int(numbers[loop_data.STEPS])
+        ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
+        self.control.took(lengths)
+        counts, limits, unknowns = batch.notes[:, :steps].tolist()
+        iterated, rejected = int(numbers[loop_data.ITERATED]), int(numbers[loop_data.REJECTED])
+        starts = [self._began, *ends[:-1]]
+        return Taken(
+            why == loop_data.BROKEN, starts, ends, lengths, counts, limits, unknowns, iterated, rejected
+        )
+
+    def check(self) -> None:
+        """Raise what went wrong in Python within the steps taken."""
+        self._renew.check()
+        self._prepare.check()
+
+    def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
+        """Return the marks among the steps taken, with what returns the state there."""
+        rows = len(self._batch.states.r) - loop_data.MARKS
+
+        def state(k: int) -> Snapshot:
+            return self._states(slice(rows + k, rows + k + 1)).at(0)
+
+        return [(mark, partial(state, k)) for k, mark in enumerate(marks) if mark <= len(taken.ends)]
+
+    def limit(self, taken: Taken, k: int) -> str:
+        """Return what limited the ``k``-th step, in words."""
+        return self.control.in_words(taken.limits[k])
+
+    def report(self, taken: Taken, k: int) -> StepReport:
+        """Return the report of the ``k``-th step, as far as it is known."""
+        node, component = divmod(taken.unknowns[k], 6)
+        return StepReport(Outcome.CONVERGED, taken.iterations[k], 0.0, 0.0, node, component=component)
+
+    def bring(self, account: EnergyAccount) -> None:
+        """Bring the energy account to the end of the steps taken."""
+        steps = int(self._numbers[loop_data.STEPS])
+        account.kinetic, account.elastic, account.viscous, account.external = self._batch.accounts[
+            steps
+        ].tolist()
+
+    def compile(self) -> None:
+        """Compile the loop, but none of the kernels that it calls."""
+        self._steps.compiled(self._arguments(loop_data.Addresses._make([*[0] * 12, np.zeros(4)])))
+
+    def _arguments(self, addresses: loop_data.Addresses) -> tuple[Any, ...]:
+        return (
+            self._model,
+            self.integrator.tableau,
+            self._systems,
+            self._state,
+            addresses,
+            self._clock,
+            self._numbers,
+            self._limits,
+            self.control.numbers,
+            self._trials,
+            self._batch,
+        )
+
+    def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
+        """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
+
+        Args:
+            account: before the first of them.
+        """
+        batch, rows = self._batch, int(self._numbers[loop_data.ROWS])
+        if not rows:
+            return None
+        of_step, places = batch.of_step[:rows], batch.places[:rows]
+        states = self._states(slice(rows))
+        kinetic, work, loss, _ = batch.states.energies[:, :rows]
+        steps = int(self._numbers[loop_data.STEPS])
+        accounts = np.zeros((steps + 1, 8))
+        accounts[:, :4], accounts[:, 5:] = (
+            batch.accounts[: steps + 1],
+            (account.outside, account.actuator, account.start),
+        )
+        moving, bent, lost, given, _, out, moved, start = accounts.T
+        accounts[:, 4] = moving + bent + lost + out - (given + moved + start)
+        nothing = np.zeros(rows)
+        last = accounts[of_step + 1, 4]
+        energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, nothing, nothing))
+        ended = places == 1.0
+        energies[ended] = accounts[of_step[ended] + 1, :7]
+        branches = np.zeros((rows, len(NO_LOSS)))
+        return (
+            batch.instants[:rows].tolist(),
+            Records(states, EnergiesKnown(energies, branches)),
+            batch.lengths[of_step].tolist(),
+            batch.notes[0, of_step].tolist(),
+        )
+
+    def _states(self, rows: slice) -> Snapshots:
+        """Return the states in some rows, in arrays of their own."""
+        found = self._batch.states
+        strain, rate, force = found.fields.points[:, rows].copy()
+        kinetic, _, _, elastic = found.energies[:, rows].copy()
+        return Snapshots(
+            found.r[rows].copy(),
+            found.q[rows].copy(),
+            found.twist[rows].copy(),
+            [self.integrator.state.multiplier] * len(kinetic),
+            strain,
+            rate,
+            force,
+            found.fields.reactions[rows].copy(),
+            kinetic,
+            elastic,
+        )
+
+    def _begin(self, account: EnergyAccount) -> None:
+        """Hand the present state over."""
+        integrator, clock, numbers, batch = self.integrator, self._clock, self._numbers, self._batch
+        known = integrator.predictor.last
+        assert known is not None
+        (old, length), state = known, integrator.state
+        for to, given in ((self._state.now, state), (self._state.last, old)):
+            to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
+        self._points[1], self._reactions[1] = integrator.recorder.present
+        now = self._state.now
+        course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
+        clock[:], numbers[:] = 0.0, 0
+        self._began = integrator.t
+        clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
+        clock[loop_data.LAST_STEP] = length
+        numbers[loop_data.HAVE], numbers[loop_data.FRESH] = course.have_jacobian, course.fresh_jacobian
+        limits = self._limits
+        limits[loop_data.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
+        limits[loop_data.NEWTON] = integrator.newton_tolerance
+        if isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.start is not None:
+            follows, begun = self._state.follows, integrator.tolerance.start
+            follows.r[:], follows.q[:] = begun.r, begun.q
+        batch.notes[0], batch.states.energies[3] = 0, 0.0
+        batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
+
+    def _finish(self) -> None:
+        """Bring the integrator to where the loop ended."""
+        clock, numbers, given = self._clock, self._numbers, self._state
+        multiplier = self.integrator.state.multiplier
+        now, old = (
+            State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
+        )
+        t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
+        have, fresh = (bool(numbers[k]) for k in (loop_data.HAVE, loop_data.FRESH))
+        evaluations, factorisations = numbers[loop_data.EVALUATED : loop_data.NUMBERS].tolist()
+        moved = t > self._began
+        course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
+        self.integrator.take_back(now, course)
+        self.integrator.newton_tolerance = float(self._limits[loop_data.NEWTON])
+        if moved:
+            end = StepEnd(*(field.copy() for field in given.end))
+            start = old, self._points[0].copy(), self._reactions[0].copy()
+            h, _, *energies, strain = clock[loop_data.LAST_STEP :].tolist()
+            kinetic, elastic, work, loss = energies
+            self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
+
+    def _addressed(self) -> loop_data.Addresses:
+        """Return where everything is; loads are asked for if they change before the corner."""
+        if self._addresses is None:
+            self._addresses = find_addresses(
+                self.integrator,
+                self._model,
+                self._state,
+                self._systems,
+                self._batch.states,
+                self._renew.address,
+                self._prepare.address,
+            )
+        integrator = self.integrator
+        still = not integrator.supports.moving and integrator.actions.loads.steady_after(integrator.t)
+        return self._addresses._replace(prepare=0 if still else self._prepare.address)
+
+    def _call_renew(self, message: Floats) -> None:
+        self.integrator.t = float(message[0])
+        self.integrator.renew_jacobian()
+
+    def _call_prepare(self, message: Floats) -> None:
+        self.integrator.t = float(message[0])
+        self.integrator.prepare_step(float(message[1]), bool(message[2]))
+
+
+def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
+    """Return what a tolerance follows, if it follows anything."""
+    numbers = tolerance.numbers if isinstance(tolerance, PartOfMotion) else np.zeros(amplitude.COUNT)
+    return loop_data.Follows(numbers, np.zeros((nodes, 3)), np.zeros((nodes, 4)))
+
+
+def _serves(tolerance: Tolerance) -> bool:
+    follows = isinstance(tolerance, PartOfMotion) and not tolerance.carried and tolerance.start is not None
+    return follows or type(tolerance) is GivenTolerance
+
+
+def _worth_loading(integrator: Radau, *, long: bool) -> bool:
+    """Return whether the loop is there; from disk it takes as long as it saves in some hundred steps."""
+    known = KnownTypes(step_loop.take_steps)
+    return known.loaded or ((long or integrator.trying.loaded) and known.kept)

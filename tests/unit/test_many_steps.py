@@ -1,0 +1,182 @@
+"""Many steps in one compiled call are, bit for bit, those that Python takes one by one."""
+
+from __future__ import annotations
+
+import json
+
+import numpy as np
+import pytest
+from numba import types
+
+import viscorod as vr
+from viscorod.analyses.warmup import compile_loop
+from viscorod.errors import InputError
+from viscorod.mechanics.compilation.by_address import address_of
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.rotations.rotation import motion_extent
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient import many_steps, transient_solver
+from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.many_steps import ManySteps
+from viscorod.solve.transient.step_control import ErrorControl
+from viscorod.solve.transient.transient_solver import Transient
+
+pytestmark = pytest.mark.skipif(PURE_PYTHON, reason="nothing is compiled")
+
+
+@pytest.fixture(scope="module", autouse=True)
+def loop():
+    """The loop is used where it is there, so it is compiled first."""
+    compile_loop()
+
+
+@pytest.fixture
+def taken(monkeypatch):
+    """How many steps were taken at once, call by call."""
+    counts, take = [], ManySteps.take
+
+    def counted(self, *given):
+        found = take(self, *given)
+        counts.append(len(found.ends))
+        return found
+
+    monkeypatch.setattr(ManySteps, "take", counted)
+    return counts
+
+
+def falling(damping=0.02):
+    """A soft cantilever that falls from rest."""
+    material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(damping, damping))
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=material, elements=1, order=4
+    )
+    model = vr.Model()
+    model.add("rod", rod)
+    model.gravity((0, 0, -9.81))
+    return model
+
+
+def clamped():
+    """Its clamp holds still, and nothing changes."""
+    model = falling()
+    model.clamp("rod.start")
+    return model
+
+
+def thrust():
+    """A following force that grows, and another that ends, with a jump."""
+    model = clamped()
+    model.force("rod.end", (0, 0.02, 0), following=True, time=vr.Sine(2.0))
+    model.force("rod.end", (0, 0.05, 0), until=0.15)
+    return model
+
+
+def driven():
+    """The clamp turns to and fro."""
+    model = falling()
+    model.clamp("rod.start", motion={"rz": vr.Sine(2.0, amplitude=0.5)})
+    return model
+
+
+def free():
+    """A spinning rod in flight."""
+    model = falling(0.0)
+    model.velocity("rod", linear=(0, 1.0, 1.0), angular=(0, 3.0, 9.0))
+    return model
+
+
+@pytest.mark.parametrize(
+    ("make", "given"),
+    [
+        (clamped, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (clamped, {}),
+        (thrust, {"tolerance": 1e-3}),
+        (driven, {"tolerance": 1e-4, "output_interval": 0.013}),
+        (free, {}),
+    ],
+)
+def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken, monkeypatch):
+    """All data, and all that a result says of its steps and of their errors."""
+    at_once = make().simulate(0.6, initial="reference", **given)
+    assert sum(taken) > 0.5 * at_once.data.attrs["steps"]
+    monkeypatch.setattr(ManySteps, "of", lambda *_, **__: None)
+    one_by_one = make().simulate(0.6, initial="reference", **given)
+    assert at_once.data.identical(one_by_one.data.assign_attrs(at_once.data.attrs))
+    apart = {key for key, value in one_by_one.data.attrs.items() if at_once.data.attrs.get(key) != value}
+    assert {key for key in apart if "time" not in key} == set()
+    assert json.loads(at_once.data.attrs["warnings"]) == json.loads(one_by_one.data.attrs["warnings"])
+
+
+def transient(model, duration):
+    """A motion of radau."""
+    problem = discretise(model)
+    system = GeometricSystem(problem)
+    integrator = Radau(system, SupportState(problem), tolerance=1e-4)
+    control = ErrorControl(integrator.estimate_order, duration / 10, duration)
+    return Transient(problem, integrator, control, system.describe_node), State.reference(problem)
+
+
+def test_a_run_goes_on_from_a_step_that_was_taken_with_others(taken, monkeypatch):
+    """Bit for bit, from a checkpoint in the middle."""
+    monkeypatch.setattr(many_steps, "MOST_STEPS", 5)
+    whole, state = transient(thrust(), 0.4)
+    end = whole.run(state, 0.4).history.snapshots[-1]
+    first, state = transient(thrust(), 0.4)
+    half = first.run(state, 0.4, after_step=lambda: "enough" if first.integrator.t > 0.2 else "")
+    assert half.outcome is Outcome.INTERRUPTED
+    assert half.between_steps
+    second, state = transient(thrust(), 0.4)
+    rest = second.run(state, 0.4, checkpoint=first.saved())
+    assert sum(taken) > 0
+    for one, other in zip(end[1:4], rest.history.snapshots[-1][1:4], strict=True):
+        np.testing.assert_array_equal(one, other)
+    np.testing.assert_array_equal(end.state.r, rest.history.snapshots[-1].state.r)
+    assert second.account.recorded == whole.account.recorded
+
+
+def test_machine_code_is_loaded_for_long_runs_only(taken, monkeypatch):
+    """From disk it takes longer than a short run: of that all steps are taken one by one, of a long one the first."""
+    monkeypatch.setattr(KnownTypes, "loaded", property(lambda _: False))
+    monkeypatch.setattr(KnownTypes, "kept", property(lambda _: True))
+    short, state = transient(clamped(), 0.2)
+    assert short.run(state, 0.2).effort.steps > 10
+    assert not taken
+    monkeypatch.setattr(transient_solver, "LONG", 10)
+    long, state = transient(clamped(), 0.2)
+    assert long.run(state, 0.2).effort.steps == short.effort.steps
+    assert 0 < sum(taken) <= long.effort.steps - 10
+
+
+def test_what_goes_wrong_in_python_ends_the_run(taken):
+    """An error in a Jacobian, which Python makes, leaves the states so far."""
+    run, state = transient(clamped(), 0.6)
+    renew, renewed = run.integrator.renew_jacobian, []
+
+    def fails():
+        renewed.append(run.integrator.t)
+        if len(renewed) > 4:
+            raise InputError("no more of these")
+        renew()
+
+    run.integrator.renew_jacobian = fails
+    result = run.run(state, 0.6, output_interval=0.01)
+    assert result.outcome is Outcome.INTERRUPTED
+    assert result.reason == "no more of these"
+    assert sum(taken) > 0
+    assert 0.0 < result.history.instant[-1] < 0.6
+    assert np.isfinite(result.history.snapshots[-1].state.r).all()
+
+
+def test_a_kernel_is_only_called_for_what_it_returns():
+    """The types are part of the call: others are refused before anything is called."""
+    where = np.zeros((2, 3)), np.zeros((2, 4))
+    given = (*where, *where, np.zeros((2, 6)), 1.0)
+    two = types.UniTuple(types.float64, 2)
+    assert address_of(KnownTypes(motion_extent), two, lambda: given) > 0
+    with pytest.raises(TypeError, match=r"motion_extent returns .*float64.* not int64"):
+        address_of(KnownTypes(motion_extent), types.int64, lambda: given)
