@@ -7,6 +7,7 @@ left on disk is taken, and the others are tried again, each by itself.
 
 from __future__ import annotations
 
+import importlib
 import math
 import os
 import threading
@@ -83,12 +84,12 @@ def opened(executor: Any) -> Iterator[Executor]:
             yield threads
         return
     try:
-        from distributed import Client
+        distributed: Any = importlib.import_module("distributed")  # untyped
     except ImportError:
         why = "Dask is not installed"
         raise InputError(Fault("executor", executor, why, "pip install 'viscorod[cluster]'")) from None
     try:
-        client = Client(rest or None)
+        client = distributed.Client(rest or None)
     except OSError as error:
         why = f"there is no scheduler ({' '.join(str(error).split())[:100]})"
         raise InputError(Fault("executor", executor, why, "start one with: dask scheduler")) from None
