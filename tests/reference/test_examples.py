@@ -2,12 +2,14 @@
 
 import importlib
 import re
+import sys
 from pathlib import Path
 from unittest.mock import patch
 
 import pytest
 
 import viscorod as vr
+from helpers.measured_files import write_files
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import load_case
 from viscorod.casefile.case_reader import ANALYSES
@@ -16,6 +18,8 @@ from viscorod.solve.transient.integrators import INTEGRATORS
 
 ROOT = Path(__file__).parents[2]
 PAGES = [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]
+MEASURED = ("records", "measurements")
+"""Pages that read the reader's own measurements."""
 CASE_FILE = ROOT / "docs" / "reference" / "case_file.md"
 
 
@@ -62,10 +66,14 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
     for name in ("cantilever_swing", "soft_arm"):  # what the pages on results start from
         results(name).save(f"out/{name}/run.nc")
     (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
+    if page.stem in MEASURED:
+        write_files(tmp_path)
     names = {"__name__": "__main__"}  # a page is read from top to bottom
     with patch.dict(INTEGRATORS):  # one page adds an integrator
         for code in blocks(page, "python"):
             exec(compile(code, str(page), "exec"), names)
+    if "matplotlib.pyplot" in sys.modules:  # pandas leaves its pictures there
+        sys.modules["matplotlib.pyplot"].close("all")
 
 
 @pytest.mark.parametrize(

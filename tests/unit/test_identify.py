@@ -82,6 +82,17 @@ def test_shear_and_bulk_time_cannot_be_separated_and_the_extensional_time_can(tw
     assert re.search(r"extensional time of beam can: 0\.0\d+ \+- 0\.00\d+ s", sentence)
 
 
+def test_what_is_told_does_not_depend_on_units_of_unknowns():
+    """An offset in m changes the values far more per unit than a time does per part; both are told, and the pull too."""
+    tip = history(swing(), size=3e-5, unknown=["offset"])
+    fit = vr.identify(
+        swing(), tip, {YOUNG: 1.1e6, BOTH: 0.025}, nuisances={"loads[0].value[1]": (0.01, 0.018, 0.1)}
+    )
+    for name, true in ((YOUNG, 1e6), (BOTH, 0.02), ("loads[0].value[1]", 0.02), ("tip.offset", 0.0)):
+        assert fit[name].low <= true <= fit[name].high, name
+        assert fit[name].high - fit[name].low < 0.03 * max(true, 0.01), name
+
+
 def test_a_fit_comes_back_from_its_file_with_its_case(two_times, tmp_path):
     found = vr.load(two_times.save(tmp_path / "fit.nc"))
     assert isinstance(found, vr.Identification)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections import Counter
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from scipy import stats
@@ -57,8 +58,23 @@ def in_programs(
         reach = float(stats.t.ppf(0.5 + level / 2.0, known.freedom_of(gradient))) * known.deviation(gradient)
         out.append(Combination(name, "", value, value - reach, value + reach, tuple(gradient.tolist())))
     if unknown:
-        told_in.append(f"The data do not tell these inputs of other programs: {', '.join(unknown)}.")
+        told_in.append(
+            f"The data do not tell these inputs of other programs: {_by_program(unknown, centre)}."
+        )
     return out, told_in
+
+
+def _by_program(names: Sequence[str], everything: Mapping[str, float]) -> str:
+    """Return inputs "program: input" by program, those of a program in brackets unless they are all that it has."""
+    inputs: dict[str, list[str]] = {}
+    for name in names:
+        program, _, own = name.partition(": ")
+        inputs.setdefault(program, []).append(own)
+    whole = Counter(name.partition(": ")[0] for name in everything)
+    return ", ".join(
+        program if len(own) == whole[program] else f"{program} ({', '.join(own)})"
+        for program, own in inputs.items()
+    )
 
 
 def _numbers(case: Case, frequencies: Sequence[float], notes: list[str]) -> dict[str, float]:

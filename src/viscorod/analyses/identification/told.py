@@ -82,9 +82,13 @@ def sentences_of(
 ) -> list[str]:
     """Return what the fit says in words, what matters most first."""
     names = best.unknowns.names
-    found = []
+    found: list[str] = []
+    named: list[set[str]] = []
     for direction in known.unseen:
         parts = [names[k] for k in np.argsort(-np.abs(direction)) if abs(direction[k]) > PARTS]
+        if set(parts) in named:
+            continue
+        named.append(set(parts))
         if len(parts) == 1:
             found.append(f"The data do not tell {parts[0]}: the predictions hardly depend on it.")
             continue

@@ -23,7 +23,10 @@ from viscorod.typing import Floats
 __all__ = ["Covariance", "Interval", "covariance", "intervals", "profile_end"]
 
 ERRORS = 3.0
-"""Times the error of the derivatives, over the largest singular value: directions below are not seen."""
+"""Times the error of the derivatives: directions along which the whitened values change less are not seen.
+
+Every column errs by a part of itself, whatever the units of its unknown.
+"""
 TOO_WIDE = 2.0
 """Standard error of a logarithm, or of a number over its scale, from which on a direction is not told by the data."""
 PART = 0.05
@@ -107,8 +110,8 @@ def covariance(found: Estimate) -> Covariance:
     count = white.shape[1]
     size = np.linalg.norm(white, axis=0)
     _, values, directions = np.linalg.svd(white, full_matrices=False)
-    largest = float(size.max(initial=0.0))
-    seen = (values > ERRORS * found.accuracy * largest) & (values > 1.0 / TOO_WIDE)
+    doubt = ERRORS * found.accuracy * np.linalg.norm(directions * size, axis=1)
+    seen = (values > doubt) & (values > 1.0 / TOO_WIDE)
     inverse = (directions[seen].T / values[seen] ** 2) @ directions[seen]
     used = leverage(white)
     contributions = []
