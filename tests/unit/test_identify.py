@@ -83,7 +83,7 @@ def test_shear_and_bulk_time_cannot_be_separated_and_the_extensional_time_can(tw
 
 
 def test_what_is_told_does_not_depend_on_units_of_unknowns():
-    """An offset in m changes the values far more per unit than a time does per part; both are told, and the pull too."""
+    """An offset in m changes values far more per unit than a time does per part; both are told, and so is the pull."""
     tip = history(swing(), size=3e-5, unknown=["offset"])
     fit = vr.identify(
         swing(), tip, {YOUNG: 1.1e6, BOTH: 0.025}, nuisances={"loads[0].value[1]": (0.01, 0.018, 0.1)}
