@@ -125,7 +125,7 @@ def draw_intervals(fit: Identification) -> Figure:
             axes.text(widest, row, "not told ", ha="right", va="bottom", fontsize=SMALL, color=RED)
     axes.set_xlim(-widest, widest)
     axes.set_ylim(len(numbers) - 0.5, -0.7)
-    axes.set_yticks(range(len(numbers)), [one.name for one in numbers], fontsize=SMALL)
+    axes.set_yticks(range(len(numbers)), [_in_lines(one.name) for one in numbers], fontsize=SMALL)
     axes.grid(visible=False, axis="y")
     return picture
 
@@ -144,10 +144,16 @@ def draw_correlation(fit: Identification) -> Figure:
             value = float(matrix[row, column])
             colour = "white" if abs(value) > 0.6 else INK
             axes.text(column, row, f"{value:.2f}", ha="center", va="center", fontsize=SMALL, color=colour)
-    axes.set_yticks(range(len(names)), [f"{name}  {k + 1}" for k, name in enumerate(names)], fontsize=SMALL)
+    numbered = [f"{_in_lines(name)}  {k + 1}" for k, name in enumerate(names)]
+    axes.set_yticks(range(len(names)), numbered, fontsize=SMALL)
     axes.set_xticks(range(len(names)), [str(k + 1) for k in range(len(names))], fontsize=SMALL)
     axes.tick_params(length=0.0)
     return picture
+
+
+def _in_lines(name: str) -> str:
+    """Return the name of several numbers that are one, each in a line of its own."""
+    return name.replace(", ", ",\n")
 
 
 def draw_autocorrelation(fit: Identification) -> Figure | None:
