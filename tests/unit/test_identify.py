@@ -93,6 +93,19 @@ def test_what_is_told_does_not_depend_on_units_of_unknowns():
         assert fit[name].high - fit[name].low < 0.03 * max(true, 0.01), name
 
 
+def test_records_of_one_case_keep_their_own_numbers():
+    """Two pulls by hand of one bar: each record has its own, and one without any has that of the case."""
+    pull = [vr.Unknown("pull", 0.018, low=0.01, high=0.03, key="loads[0].value[1]")]
+    first, second = (
+        history(swing(load), name, seed=seed, unknown=pull)
+        for load, name, seed in ((0.022, "first", 1), (0.015, "second", 2))
+    )
+    fit = vr.identify(swing(), [first, second, history(swing(), "third", seed=3)], {YOUNG: 1.05e6})
+    for name, true in (("first.pull", 0.022), ("second.pull", 0.015), (YOUNG, 1e6)):
+        assert fit[name].value == pytest.approx(true, rel=0.01), name
+    assert fit.residuals.std() == pytest.approx(2e-3, rel=0.1)
+
+
 def test_a_fit_comes_back_from_its_file_with_its_case(two_times, tmp_path):
     found = vr.load(two_times.save(tmp_path / "fit.nc"))
     assert isinstance(found, vr.Identification)

@@ -183,12 +183,19 @@ def earliest_release(release: Any, span: float) -> float:
 
 
 def members_of(pairs: Sequence[tuple[Case, Any]]) -> list[Member]:
-    """Return the cases with their records; records of one case share its result."""
-    found: list[tuple[Case, list[Any]]] = []
-    for case, record in pairs:
-        known = next((records for other, records in found if other is case), None)
-        if known is None:
-            known = []
-            found.append((case, known))
-        known += list(record) if isinstance(record, list | tuple) else [record]
-    return [Member(case, records) for case, records in found]
+    """Return the cases with their records; records share the result of a case unless they have numbers of their own."""
+    found: list[tuple[Case, frozenset[tuple[str, str]], list[Any]]] = []
+    for case, given in pairs:
+        for record in given if isinstance(given, list | tuple) else [given]:
+            own = _own_numbers(record)
+            known = next((records for one, its, records in found if one is case and its == own), None)
+            if known is None:
+                found.append((case, own, [record]))
+            else:
+                known.append(record)
+    return [Member(case, records) for case, _, records in found]
+
+
+def _own_numbers(record: Any) -> frozenset[tuple[str, str]]:
+    """Return the unknowns of a record that are numbers of its case, by full name, with their keys."""
+    return frozenset((full, one.key) for full, one in record.nuisances.items() if one.key is not None)
