@@ -86,12 +86,12 @@ from .model.sections.stiffness_section import StiffnessSection as StiffnessSecti
 from .pictures.viewer import view as view
 from .records.free_decay import decay as decay
 from .records.master_curve import master_curve as master_curve
+from .records.modes_record import ModesRecord as ModesRecord
+from .records.moduli_record import ModuliRecord as ModuliRecord
 from .records.motion_record import Record as Record
-from .records.other_records import ModesRecord as ModesRecord
-from .records.other_records import ModuliRecord as ModuliRecord
-from .records.other_records import ResponseRecord as ResponseRecord
-from .records.other_records import StaticRecord as StaticRecord
 from .records.pole_fit import modal_fit as modal_fit
+from .records.response_record import ResponseRecord as ResponseRecord
+from .records.static_record import StaticRecord as StaticRecord
 from .records.unknown import Unknown as Unknown
 from .results.buckling import Buckling as Buckling
 from .results.campbell import Campbell as Campbell

@@ -11,6 +11,7 @@ import typer
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, output_option
 from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.results.text_table import listed
 
 if TYPE_CHECKING:
     from viscorod.analyses.check import CheckReport
@@ -70,18 +71,12 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         rows_text("Drag and other loads that see motion", report.media),
         rows_text("Rest strains, at the start of the rod", report.rest_strains),
         rows_text("First natural modes about the reference shape (a quick estimate)", modes),
-        "\n".join(
-            [f"Rigid motions: {len(report.rigid_motions)}", *(f"  - {text}" for text in report.rigid_motions)]
-        )
+        listed(f"Rigid motions: {len(report.rigid_motions)}", report.rigid_motions)
         if report.rigid_motions
         else "",
         f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
         str(report.validity),
-        "\n".join(["Assumptions about damping", *(f"  - {text}" for text in report.assumptions)])
-        if report.assumptions
-        else "",
-        "\n".join(["Warnings", *(f"  - {text}" for text in report.warnings)])
-        if report.warnings
-        else "No warnings",
+        listed("Assumptions about damping", report.assumptions) if report.assumptions else "",
+        listed("Warnings", report.warnings) if report.warnings else "No warnings",
     ]
     return "\n\n".join(block for block in blocks if block)

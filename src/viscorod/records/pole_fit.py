@@ -19,7 +19,7 @@ from scipy.stats import t as student
 from viscorod.errors import Fault, InputError
 from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
-from viscorod.records.other_records import ResponseRecord
+from viscorod.records.response_record import ResponseRecord
 from viscorod.results.modal_fit_result import ModalFit
 from viscorod.results.resonances import resonances_of
 from viscorod.typing import Floats

@@ -10,9 +10,12 @@ from viscorod.checks import file_path
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord
 from viscorod.records.arguments import described
+from viscorod.records.modes_record import ModesRecord
+from viscorod.records.moduli_record import ModuliRecord
 from viscorod.records.motion_record import Record
 from viscorod.records.other_files import columns_of
-from viscorod.records.other_records import ModesRecord, ModuliRecord, ResponseRecord, StaticRecord
+from viscorod.records.response_record import ResponseRecord
+from viscorod.records.static_record import StaticRecord
 from viscorod.records.unknown import Unknown
 
 __all__ = ["record_of"]

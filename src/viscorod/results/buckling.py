@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["Buckling"]
@@ -102,7 +102,7 @@ class Buckling(Result):
         elif not self.complete:
             blocks.append("Fewer were found than asked for: the equilibria keep their stiffness beyond these")
         if self.warnings:
-            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Warnings", self.warnings))
         return "\n\n".join(blocks)
 
     @checked

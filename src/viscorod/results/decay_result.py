@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["Decay"]
@@ -124,11 +124,8 @@ class Decay(StatelessResult):
             header = ["about [s]", f"amplitude{about}", "frequency [Hz]", "damping ratio"]
             blocks.append(table("Mode 1 by amplitude (± 95 %)", header, rows))
         if self.warnings:
-            blocks.append("\n".join(["Doubts", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Doubts", self.warnings))
         return "\n\n".join(blocks)
-
-    def __str__(self) -> str:
-        return self.report()
 
     @checked
     def plot(self, path: str | Path) -> Path:

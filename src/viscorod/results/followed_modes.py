@@ -12,7 +12,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["FollowedModes", "Limit", "Meeting", "error_text"]
@@ -237,7 +237,7 @@ class FollowedModes(StatelessResult):
         return table("Frequencies that meet, as seen on the model", header, rows)
 
     def _warnings(self) -> str:
-        return "\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]) if self.warnings else ""
+        return listed("Warnings", self.warnings) if self.warnings else ""
 
     @checked
     def save_csv(self, path: str | Path) -> Path:

@@ -13,7 +13,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["FrequencyResponse"]
@@ -162,7 +162,7 @@ class FrequencyResponse(StatelessResult):
             )
         blocks = [
             heading,
-            *(["\n".join(["Moduli", *(f"  - {text}" for text in self.moduli)])] if self.moduli else []),
+            *([listed("Moduli", self.moduli)] if self.moduli else []),
         ]
         for j, source in enumerate(self.inputs):
             for k, target in enumerate(self.outputs):
@@ -174,7 +174,7 @@ class FrequencyResponse(StatelessResult):
         if rows:
             blocks.append(table("Poles", ["mode", "frequency [Hz]", "damping ratio"], rows))
         if self.warnings:
-            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Warnings", self.warnings))
         return "\n\n".join(blocks)
 
     def _peaks(self, k: int, j: int, title: str) -> str:

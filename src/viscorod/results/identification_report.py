@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 
 if TYPE_CHECKING:
     from viscorod.results.identification import Identification, Number
@@ -36,7 +36,7 @@ def identification_report(fit: Identification) -> str:
             table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows)
         )
     if fit.sentences:
-        blocks.append("\n".join(["What to know", *(f"  - {text}" for text in fit.sentences)]))
+        blocks.append(listed("What to know", fit.sentences))
     blocks.append(_residuals(fit))
     if fit.laws:
         blocks.append(_laws(fit))
@@ -46,7 +46,7 @@ def identification_report(fit: Identification) -> str:
             table("The damping in the numbers of other programs", ["", "value", "low", "high"], rows)
         )
     if fit.warnings:
-        blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in fit.warnings)]))
+        blocks.append(listed("Warnings", fit.warnings))
     return "\n\n".join(blocks)
 
 

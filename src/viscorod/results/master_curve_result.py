@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
 
@@ -200,11 +200,8 @@ class MasterCurve(StatelessResult):
             lines.append(f"  {name}: {numbers}; off by {law['off']:.2g} decades{better}")
         blocks.append("\n".join(lines))
         if self.warnings:
-            blocks.append("\n".join(["Doubts", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Doubts", self.warnings))
         return "\n\n".join(blocks)
-
-    def __str__(self) -> str:
-        return self.report()
 
     @checked
     def write_table(self, path: str | Path) -> Path:

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["Modes"]
@@ -140,7 +140,7 @@ class Modes(Result):
             sure,
         ]
         if self.warnings:
-            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Warnings", self.warnings))
         return "\n\n".join(blocks)
 
     @property

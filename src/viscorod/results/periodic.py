@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["NO_INPUT", "Periodic"]
@@ -291,7 +291,7 @@ class Periodic(StatelessResult):
         )
         blocks.append(f"Highest two harmonics: {float(self.data['tail'].max()):.2g} of the motion at most")
         if self.warnings:
-            blocks.append("\n".join(["Warnings", *(f"  - {text}" for text in self.warnings)]))
+            blocks.append(listed("Warnings", self.warnings))
         return "\n\n".join(blocks)
 
     def _backbone(self) -> str:

@@ -94,11 +94,6 @@ class Quantity:
     function: Callable[[Any], Any] | None = None
 
     @property
-    def is_history(self) -> bool:
-        """True if its value is a history."""
-        return bool(self.words) and self.words[-1] == HISTORY
-
-    @property
     def place(self) -> str:
         """The place that it is read at; empty if there is none."""
         head = self.words[0] if self.words else ""

@@ -15,7 +15,7 @@ from viscorod.results.data_schema import COUNTERS
 from viscorod.results.largest_stress import largest_stress
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.step_error import step_errors
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -477,7 +477,7 @@ def _steps(attrs: Mapping[str, Any]) -> str:
 
 def _warnings(result: Result) -> str:
     warnings = warnings_of(result)
-    return "\n".join(["Warnings", *(f"  - {text}" for text in warnings)]) if warnings else "No warnings"
+    return listed("Warnings", warnings) if warnings else "No warnings"
 
 
 def _vector(values: Floats, scale: float) -> list[str]:

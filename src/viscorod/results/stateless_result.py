@@ -65,6 +65,9 @@ class StatelessResult(ABC):
     def report(self) -> str:
         """Return a report in words and numbers."""
 
+    def __str__(self) -> str:
+        return self.report()
+
     @property
     def title(self) -> str:
         """Title of the case, empty if it has none."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 
 def table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> str:
@@ -13,3 +13,8 @@ def table(title: str, header: Sequence[str], rows: Sequence[Sequence[str]]) -> s
         numbers = (cell.rjust(width) for cell, width in zip(row[1:], widths[1:], strict=True))
         lines.append("  " + "  ".join([row[0].ljust(widths[0]), *numbers]).rstrip())
     return "\n".join(lines)
+
+
+def listed(heading: str, sentences: Iterable[str]) -> str:
+    """Return sentences in a list below a heading."""
+    return "\n".join([heading, *(f"  - {text}" for text in sentences)])

@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from viscorod.results.text_table import table
+from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 
 __all__ = ["TheoryComparison", "TheorySolution"]
@@ -153,10 +153,8 @@ class TheoryComparison:
             frequency = f"errs {_per_cent(float(self.frequency_errors(word)[0]), '+')}"
             rows.append(("", *texts, frequency))
         title = "Largest deflection and section forces; errors are the largest differences over the largest exact value"
-        warnings = "\n".join(f"  - {text}" for text in self.warnings)
-        return "\n".join(
-            [table(title, header, rows), self.sentence, *([f"Warnings\n{warnings}"] if warnings else [])]
-        )
+        warnings = [listed("Warnings", self.warnings)] if self.warnings else []
+        return "\n".join([table(title, header, rows), self.sentence, *warnings])
 
 
 def _row(found: TheorySolution) -> tuple[str, ...]:

@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from viscorod.analyses.identification.members import Member
-from viscorod.solve.estimation.unknowns import Unknown
+from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
 __all__ = ["CasePredictions"]
@@ -29,9 +29,7 @@ class CasePredictions:
 
     accuracy = ACCURACY
 
-    def __init__(
-        self, members: Sequence[Member], unknowns: Sequence[Unknown], believed: Sequence[int]
-    ) -> None:
+    def __init__(self, members: Sequence[Member], unknowns: Unknowns, believed: Sequence[int]) -> None:
         self._members, self._unknowns, self._believed = members, unknowns, list(believed)
 
     def values(self, unknowns: Floats) -> Floats:

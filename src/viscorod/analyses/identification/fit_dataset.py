@@ -146,6 +146,6 @@ def _of_series(found: Fitted) -> dict[str, Any]:
         ),
         "noise_order": _floats(len(noise.terms) for _, noise in pairs),
         "effective_count": _floats(series.count * noise.effective_part for series, noise in pairs),
-        "whiteness": _floats(whiteness(best, best.residuals)),
+        "whiteness": _floats(whiteness(best)),
         "at_signal": _floats(at_signal(best)),
     }

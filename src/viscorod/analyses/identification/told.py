@@ -49,9 +49,8 @@ def _peak(values: Floats, interval: float) -> float:
     return float(np.argmax(power) / (8 * len(values) * interval))
 
 
-def whiteness(best: Estimate, white: Floats) -> list[float]:
+def whiteness(best: Estimate) -> list[float]:
     """Return of every series the probability of such an autocorrelation of its raw residuals; 1 where it has none."""
-    del white
     found = []
     for series in best.noise.series:
         part = (best.measured - best.predicted)[series.rows] / series.noise
@@ -113,7 +112,7 @@ def sentences_of(
 
 def _of_residuals(best: Estimate) -> list[str]:
     found = []
-    probabilities = whiteness(best, best.residuals)
+    probabilities = whiteness(best)
     shares = at_signal(best)
     for series, noise, probability, share in zip(
         best.noise.series, best.noise.found, probabilities, shares, strict=True

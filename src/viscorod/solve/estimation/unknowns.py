@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -43,7 +43,7 @@ class Unknown:
         return abs(self.start) or 1.0
 
 
-class Unknowns(Sequence[Unknown]):
+class Unknowns:
     """Several unknowns with their common coordinates z: logarithms, and numbers over their scale."""
 
     def __init__(self, unknowns: Sequence[Unknown]) -> None:
@@ -51,8 +51,11 @@ class Unknowns(Sequence[Unknown]):
         self._log = np.array([one.logarithmic for one in self._all], dtype=bool)
         self._scale = np.array([one.scale for one in self._all])
 
-    def __getitem__(self, index: int) -> Unknown:  # type: ignore[override]
+    def __getitem__(self, index: int) -> Unknown:
         return self._all[index]
+
+    def __iter__(self) -> Iterator[Unknown]:
+        return iter(self._all)
 
     def __len__(self) -> int:
         return len(self._all)

@@ -1,0 +1,160 @@
+"""Frequency responses that were measured."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.arguments import described
+from viscorod.records.columns import si_size
+from viscorod.records.other_files import columns_of
+from viscorod.records.unknown import Unknown
+from viscorod.typing import Floats
+
+__all__ = ["ResponseRecord"]
+
+
+def _complex(where: str, values: Any) -> np.ndarray:
+    """Return complex numbers in one row."""
+    try:
+        given = np.asarray(values)
+    except ValueError:
+        given = np.empty(0, dtype=object)
+    if given.dtype.kind not in "fiuc" or given.ndim != 1:
+        raise InputError(Fault(where, "", "these are no complex numbers in one row", "give a list of them"))
+    return given
+
+
+class ResponseRecord(AnyRecord):
+    """A frequency response that was measured: output over input, complex, exp(i omega t).
+
+    Args:
+        frequencies: increasing, Hz (n,).
+        values: complex, SI units of output over input (n,).
+        output, source: words or numbers of the output and the input of the model's response.
+        noise: standard deviation of real and imaginary part, one number or (n,); None where it is not known.
+        unknown: "gain", "delay" (s, by which the output comes late).
+        name: of the record.
+
+    Attributes:
+        observed: real parts, then imaginary parts (2 n,).
+
+    Raises:
+        InputError: numbers, words or shapes are wrong.
+    """
+
+    kind: ClassVar[str] = "response"
+    analysis: ClassVar[str] = "response"
+
+    @described
+    def __init__(
+        self,
+        frequencies: Any,
+        values: Any,
+        *,
+        output: str | int = 0,
+        source: str | int = 0,
+        noise: Any = None,
+        unknown: Sequence[str | Unknown] = (),
+        name: str = "response",
+    ) -> None:
+        where = f"record {name}"
+        self.frequencies = increasing(f"{where}: frequencies", frequencies)
+        given = _complex(f"{where}: values", values)
+        self.observed = finite(f"{where}: values", np.concatenate([np.real(given), np.imag(given)], axis=0))
+        if len(self.observed) != 2 * len(self.frequencies):
+            raise InputError(
+                Fault(
+                    where,
+                    f"{len(self.observed) // 2} values",
+                    f"there are {len(self.frequencies)} frequencies",
+                    "",
+                )
+            )
+        if self.frequencies[0] < 0.0:
+            raise InputError(
+                Fault(f"{where}: frequencies", "", "a frequency is negative", "give the positive ones")
+            )
+        self.output, self.source = output, source
+        one = deviations(f"{where}: noise", noise, self.frequencies.shape)
+        self.noise = None if one is None else np.concatenate([one, one])
+        step = float(np.min(np.diff(self.frequencies))) if len(self.frequencies) > 1 else 1.0
+        self._named(name, unknown, {"gain": (1.0, 1e-3, 1e3), "delay": (0.0, -0.25 / step, 0.25 / step)})
+
+    @classmethod
+    @described
+    def read(
+        cls,
+        source: Any,
+        value: str | int | Sequence[str | int],
+        *,
+        frequency: str | int = 1,
+        unit: str | None = None,
+        frequency_unit: str | None = None,
+        **more: Any,
+    ) -> ResponseRecord:
+        """Return a response from columns of a file, or of an object of xarray or pandas; see `Record.read`.
+
+        Args:
+            source: path or object.
+            value: a complex column, or real and imaginary part as two.
+            frequency: column of the frequencies, by name or number from 1.
+            unit: of output over input, such as "m/s^2/N", where the source does not say.
+            frequency_unit: where the source does not say.
+            more: all else that a `ResponseRecord` has.
+
+        Raises:
+            InputError: it cannot be read, a column or a unit is missing.
+        """
+        columns = columns_of(source)
+        parts = [value] if isinstance(value, str | int) else list(value)
+        places = [columns.number("value", part) for part in parts]
+        if len(places) > 2:
+            raise InputError(
+                Fault("value", repr(value), "too many columns", "give one complex, or two real ones")
+            )
+        written = {columns.units[k] for k in places} if unit is None else {unit}
+        if written == {None} or len(written) > 1:
+            raise InputError(
+                Fault(
+                    f"{columns.source}: value",
+                    repr(value),
+                    "its unit is not known",
+                    "give unit, such as 'm/s^2/N'",
+                )
+            )
+        size = si_size(columns.source, "value", str(written.pop()))
+        values = columns.values[:, places[0]] + (
+            1j * columns.values[:, places[1]] if len(places) > 1 else 0.0
+        )
+        return cls(columns.si("frequency", frequency, "Hz", frequency_unit), size * values, **more)
+
+    @property
+    def values(self) -> np.ndarray:
+        """The complex responses (n,)."""
+        count = len(self.frequencies)
+        found: np.ndarray = self.observed[:count] + 1j * self.observed[count:]
+        return found
+
+    @described
+    def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
+        """Return what a `FrequencyResponse` says (2 n,), straight lines between its frequencies; see `AnyRecord`."""
+        self._needs(result, "response")
+        hertz = np.asarray(result.frequencies, dtype=float)
+        mine = self.frequencies
+        slack = 1e-9 * hertz[-1]
+        if mine[0] < hertz[0] - slack or mine[-1] > hertz[-1] + slack:
+            raise InputError(
+                f"record {self.name}: it goes from {mine[0]:.6g} to {mine[-1]:.6g} Hz, and the response from "
+                f"{hertz[0]:.6g} to {hertz[-1]:.6g} Hz; compute it over the band of the record"
+            )
+        response = np.asarray(result.response(self.output, self.source))
+        values = self.values_of(nuisances)
+        model = np.interp(mine, hertz, response.real) + 1j * np.interp(mine, hertz, response.imag)
+        shown = self.nuisance("gain", values, 1.0) * model
+        shown = shown * np.exp(-2j * np.pi * mine * self.nuisance("delay", values))
+        return np.concatenate([shown.real, shown.imag])

@@ -1,0 +1,103 @@
+"""What static loads moved."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any, ClassVar
+
+import numpy as np
+
+from viscorod.errors import Fault, InputError
+from viscorod.limits import SMALLEST_NUMBER
+from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.arguments import described
+from viscorod.records.read_off import QUANTITIES, Direction, strain_along
+from viscorod.records.unknown import Unknown
+from viscorod.typing import Floats
+
+__all__ = ["StaticRecord"]
+
+
+class StaticRecord(AnyRecord):
+    """Static loads with what they moved: one number at a place for each load.
+
+    Args:
+        loads: increasing, N or N m (n,).
+        values: SI (n,).
+        full_load: the load of the case at load factor 1, in the same unit; left out, `loads` are load factors.
+        place, quantity, direction: as of a `Record`, without velocities and accelerations.
+        noise: standard deviation, SI, one number or (n,); None where it is not known.
+        unknown: "offset", "gain".
+        name: of the record; by default its place.
+
+    Raises:
+        InputError: numbers, words or shapes are wrong.
+    """
+
+    kind: ClassVar[str] = "static"
+    analysis: ClassVar[str] = "equilibrium"
+
+    @described
+    def __init__(
+        self,
+        loads: Any,
+        values: Any,
+        *,
+        place: str,
+        direction: Direction,
+        quantity: str = "displacement",
+        full_load: float = 1.0,
+        noise: Any = None,
+        unknown: Sequence[str | Unknown] = (),
+        name: str | None = None,
+    ) -> None:
+        where = f"record {name or place}"
+        self.loads = increasing(f"{where}: loads", loads)
+        self.values = self.observed = finite(f"{where}: values", values)
+        if len(self.values) != len(self.loads):
+            raise InputError(
+                Fault(
+                    where, f"{len(self.values)} values", f"there are {len(self.loads)} loads", "give as many"
+                )
+            )
+        if not abs(full_load) > SMALLEST_NUMBER:
+            raise InputError(
+                Fault(f"{where}: full_load", f"{full_load:g}", "no load", "give the load at factor 1")
+            )
+        self.load_factors = self.loads / full_load
+        if quantity not in ("position", "displacement", "strain", "force"):
+            raise InputError(
+                Fault(f"{where}: quantity", repr(quantity), "nothing at rest has it",
+                      "use one of position, displacement, strain, force")
+            )  # fmt: skip
+        self.place, self.quantity = place, quantity
+        self.direction = QUANTITIES[quantity].direction(f"{where}: direction", direction)
+        self.noise = deviations(f"{where}: noise", noise, self.values.shape)
+        reach = float(np.abs(self.values).max()) or 1.0
+        self._named(
+            name or place, unknown, {"offset": (0.0, -1e3 * reach, 1e3 * reach), "gain": (1.0, 0.1, 10.0)}
+        )
+
+    @described
+    def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
+        """Return what an `Equilibrium` says at the loads (n,), straight lines between its states; see `AnyRecord`."""
+        self._needs(result, "equilibrium")
+        known = np.asarray(result.load_factor, dtype=float)
+        low, high = float(self.load_factors.min()), float(self.load_factors.max())
+        if low < known.min() - 1e-9 or high > known.max() + 1e-9:
+            raise InputError(
+                f"record {self.name}: its loads are {low:.6g} to {high:.6g} of the full load, and the equilibria "
+                f"{known.min():.6g} to {known.max():.6g}; ask for all of them (load_factor, steps)"
+            )
+        found = result.probe(self.place).isel(place=0)
+        if self.quantity == "strain":
+            model = strain_along(found, self.direction, np.zeros(3))
+        else:
+            vectors = found["section_force" if self.quantity == "force" else self.quantity].values[:, :3]
+            if self.quantity == "force":
+                vectors = np.einsum("tij,tj->ti", found["frame"].values, vectors)
+            model = vectors @ np.asarray(self.direction)
+        order = np.argsort(known, kind="stable")
+        values = self.values_of(nuisances)
+        shown: Floats = np.interp(self.load_factors, known[order], np.asarray(model)[order])
+        return self.nuisance("gain", values, 1.0) * shown + self.nuisance("offset", values)
