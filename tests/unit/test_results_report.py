@@ -7,7 +7,7 @@ import pytest
 
 import viscorod as vr
 from helpers.synthetic_results import rolled_up, swing
-from viscorod.results.report import load_level
+from viscorod.results.reports.report_parts import load_level
 from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
 

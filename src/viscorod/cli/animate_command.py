@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import motion
 from viscorod.cli.options import ResultFile, output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, written
 
 __all__ = ["animate"]
 
@@ -38,5 +38,5 @@ def animate(
         target = output or result.with_name("motion.gif")
         pace = Pace.of(run, fps, speed, hundredths=target.suffix.lower() == ".gif")
         with counting(pace.times.size, "frames") as progress:
-            written = write_film(run, target, fps=fps, speed=speed, progress=progress)
-        typer.echo(f"Written: {written}, {pace.times.size} frames, speed {pace.speed:g}")
+            film = write_film(run, target, fps=fps, speed=speed, progress=progress)
+        written([film], f", {pace.times.size} frames, speed {pace.speed:g}", first=True)

@@ -16,6 +16,7 @@ import typer
 from viscorod.cli.animate_command import animate
 from viscorod.cli.buckling_command import buckling
 from viscorod.cli.check_command import check
+from viscorod.cli.command_kind import HELP, add
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.ensemble_command import ensemble
 from viscorod.cli.example_command import example
@@ -26,6 +27,7 @@ from viscorod.cli.modes_command import modes
 from viscorod.cli.periodic_command import periodic
 from viscorod.cli.plot_command import plot
 from viscorod.cli.probe_command import probe
+from viscorod.cli.report_command import report
 from viscorod.cli.response_command import response
 from viscorod.cli.run_commands import resume, run
 from viscorod.cli.schema_command import schema
@@ -38,15 +40,20 @@ app = typer.Typer(
     name="viscorod",
     help="Compute the large motion of slender rods with material damping, and account for all energy.",
     no_args_is_help=True,
-    add_completion=False,
+    context_settings=HELP,
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
+)
+_WITH_NUMBERS = (
+    *(check, run, resume, report, modes, response, buckling, campbell, stability, periodic),
+    *(sweep, ensemble, identify),
 )
 for command in (
     example,
     check,
     run,
     resume,
+    report,
     modes,
     response,
     buckling,
@@ -65,7 +72,7 @@ for command in (
     schema,
     warmup,
 ):
-    app.command()(command)
+    add(app, command, numbers=command in _WITH_NUMBERS)
 app.add_typer(damping, name="damping")
 
 

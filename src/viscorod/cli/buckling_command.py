@@ -10,7 +10,7 @@ import typer
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import SolveError
 
 __all__ = ["buckling"]
@@ -54,6 +54,7 @@ def buckling(
         given = {"count": count, "constant": constant or None}
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
+        replacing_note(folder / "buckling.nc")
         code = 0
         try:
             with polite_stop() as stop, reporting(BucklingSettings().course) as progress:
@@ -63,10 +64,9 @@ def buckling(
         except SolveError as error:
             if error.run is None:
                 raise
-            typer.echo(f"error: {error}", err=True)
+            complain(f"error: {error}")
             found, code = error.run, 1
         written = [found.save(folder / "buckling.nc"), found.plot(folder / "buckling.png")]
-        typer.echo(found.report())
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        told(found, written)
         if code:
             raise typer.Exit(code)

@@ -2,16 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import dataclasses
+import json
+from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from viscorod.cli.command_kind import wants_json
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, output_option
-from viscorod.cli.terminal import readable_errors, rows_text
-from viscorod.results.text_table import listed
+from viscorod.cli.terminal import readable_errors, rows_text, say, written
+from viscorod.results.text_table import listed, page
 
 if TYPE_CHECKING:
     from viscorod.analyses.check import CheckReport
@@ -38,9 +41,14 @@ def check(
         try:
             discrete = DiscreteModel.of(loaded.description, validated=True)
             report = check_model(discrete, loaded.settings)
-            typer.echo(_text(report, loaded.conversions))
-        finally:
-            typer.echo(f"\nWritten: {picture}")
+        except BaseException:
+            written([picture])
+            raise
+        if wants_json():
+            typer.echo(json.dumps(_numbers(report) | {"written": [str(picture)]}, indent=2, allow_nan=False))
+            return
+        say(_text(report, loaded.conversions))
+        written([picture])
 
 
 def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
@@ -62,9 +70,9 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
     ]
     blocks = [
         rows_text("Units converted", units),
-        rows_text("Rods", report.rods),
-        rows_text("Sections", report.sections),
-        rows_text("Materials", report.materials),
+        rows_text("Rods", _alike(report.rods)),
+        rows_text("Sections", _alike(report.sections)),
+        rows_text("Materials", _alike(report.materials)),
         rows_text("Rigid bodies", report.bodies),
         rows_text("Joints", report.joints),
         rows_text("Springs", report.springs),
@@ -79,4 +87,32 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         listed("Assumptions about damping", report.assumptions) if report.assumptions else "",
         listed("Warnings", report.warnings) if report.warnings else "No warnings",
     ]
-    return "\n\n".join(block for block in blocks if block)
+    return page(blocks)
+
+
+def _alike(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
+    """Return rows of which those that differ in their first cell only are one."""
+    names: dict[tuple[tuple[str, object], ...], list[str]] = {}
+    for row in rows:
+        (_, name), *rest = row.items()
+        names.setdefault(tuple((key, str(value)) for key, value in rest), []).append(str(name))
+    kept: dict[str, Mapping[str, object]] = {}
+    for row in rows:
+        kept.setdefault(str(next(iter(row.values()))), row)
+    found = []
+    for alike in names.values():
+        row = dict(kept[alike[0]])
+        key = next(iter(row))
+        others = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
+        found.append({**row, key: f"{alike[0]}{others}"})
+    return found
+
+
+def _numbers(report: CheckReport) -> dict[str, Any]:
+    """Return the tables as plain data."""
+    from viscorod.results.result_numbers import plain
+
+    found = {item.name: getattr(report, item.name) for item in dataclasses.fields(report)}
+    found["validity"] = [dataclasses.asdict(condition) for condition in report.validity.conditions]
+    numbers: dict[str, Any] = plain(found)
+    return numbers

@@ -20,7 +20,7 @@ from viscorod.cli.sweep_command import (
     Workers,
     executor_of,
 )
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, told
 from viscorod.errors import SolveError
 
 __all__ = ["ensemble"]
@@ -82,9 +82,8 @@ def ensemble(
                         progress=progress,
                     )
             except SolveError as error:
-                typer.echo(f"error: {error}", err=True)
+                complain(f"error: {error}")
                 result = error.run
-            typer.echo(result.report())
             written = [folder / "ensemble"]
             if part is None:
                 table = folder / "ensemble.csv"
@@ -95,8 +94,8 @@ def ensemble(
                     if indices:
                         written.append(result.plot_indices(folder / "indices.png"))
                 except InputError as error:  # too few members for a picture are still data
-                    typer.echo(f"no picture: {error}", err=True)
-            typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+                    complain(f"no picture: {error}")
+            told(result, written)
         left_out = ("not run",) if part is not None else ()
         if any(member.outcome not in left_out for member in result.failed):
             raise typer.Exit(1)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, say
 from viscorod.errors import InputError
 from viscorod.whole_files import replacing
 
@@ -29,7 +29,7 @@ def example(
 
         if name is not None:
             target = _copied(shipped_case(name), output)
-            typer.echo(f"{target}: change it, then: viscorod run {target}")
+            say(f"{target}: change it, then: viscorod run {target}")
             return
         cases = shipped_cases()
         width = max(map(len, cases), default=0)

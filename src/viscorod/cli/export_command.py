@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import opened
 from viscorod.cli.options import ResultFile, range_of
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, written
 from viscorod.errors import Fault, InputError
 
 __all__ = ["export"]
@@ -93,7 +93,7 @@ def export(
             if energy:
                 columns |= csv_text.energy_columns(found)
             columns |= csv_text.joint_columns(found, joint or ())
-            typer.echo(f"Written: {csv_text.write(columns, csv)}")
+            written([csv_text.write(columns, csv)], first=True)
         if vtk is None:
             if times is not None:
                 raise InputError(
@@ -109,4 +109,4 @@ def export(
             raise InputError(
                 Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
             )
-        typer.echo(f"Written: {write_paraview(found, vtk, chosen, sections=sections)}")
+        written([write_paraview(found, vtk, chosen, sections=sections)], first=True)

@@ -9,7 +9,7 @@ import typer
 from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import SolveError
 
 __all__ = ["campbell", "stability"]
@@ -33,6 +33,7 @@ def _follow(kind: str, path: Path, output: Path | None) -> None:
 
         case = case_for(kind, path)
         folder = writable(output or Path("out") / path.stem)
+        replacing_note(folder / f"{kind}.nc")
         code = 0
         try:
             with polite_stop() as stop, reporting(case.settings.course) as progress:
@@ -40,7 +41,7 @@ def _follow(kind: str, path: Path, output: Path | None) -> None:
         except SolveError as error:
             if error.run is None:
                 raise
-            typer.echo(f"error: {error}", err=True)
+            complain(f"error: {error}")
             result, code = error.run, 1
         assert isinstance(result, FollowedModes)
         written = [
@@ -48,7 +49,6 @@ def _follow(kind: str, path: Path, output: Path | None) -> None:
             result.save_csv(folder / f"{kind}.csv"),
             result.plot(folder / f"{kind}.png"),
         ]
-        typer.echo(result.report())
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        told(result, written)
         if code:
             raise typer.Exit(code)

@@ -7,9 +7,10 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import writable
 from viscorod.cli.options import ResultFolder
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 
 __all__ = ["identify"]
 
@@ -28,15 +29,15 @@ def identify(
 
         plan = load_fit(fit)
         folder = writable(output or Path("out") / fit.stem)
+        replacing_note(folder / "fit.nc")
         result = compute(
             plan.pairs,
             parameters=plan.parameters,
             nuisances=plan.nuisances,
             left_out=plan.left_out,
-            report=lambda text: typer.echo(text, err=True),
+            report=lambda text: None if quiet() else complain(text),
             **plan.options,
         )
-        typer.echo(result.report())
         written = [
             result.save(folder / "fit.nc"),
             result.page(folder / "fit.html"),
@@ -48,4 +49,4 @@ def identify(
             with replacing(path, needs=len(text)) as new:
                 new.write_bytes(text)
             written.append(path)
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        told(result, written)

@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, ResultFolder
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, replacing_note, told
 
 __all__ = ["modes"]
 
@@ -34,13 +34,14 @@ def modes(
         typer.Option(metavar="HZ", help="Those nearest to this frequency, Hz.", show_default=False),
     ] = None,
 ) -> None:
-    """Find small vibrations of a case, loads included: a table, data and a picture.
+    """Find small vibrations of a case, loads included: a table, data, a picture and a page in which they swing.
 
     Settings are those of its table [modes], if it has one; options go before them.
     """
     with readable_errors():
         from viscorod.analyses.case_run import as_model
         from viscorod.casefile.case import load_case
+        from viscorod.pictures.viewer import view
         from viscorod.solve.settings.modes import ModesSettings
 
         loaded = load_case(existing(case))
@@ -53,7 +54,8 @@ def modes(
         given = {"count": count, "about": about, "near": near}
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
+        replacing_note(folder / "modes.nc")
         found = as_model(loaded.description).modes(**settings, title=loaded.title)
         written = [found.save(folder / "modes.nc"), found.plot(folder / "modes.png")]
-        typer.echo(found.report())
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        written.append(view(found, folder / "modes.html"))
+        told(found, written)

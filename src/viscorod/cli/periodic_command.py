@@ -10,7 +10,7 @@ import typer
 from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import SolveError
 
 if TYPE_CHECKING:
@@ -28,13 +28,14 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
 
         loaded = case_for("periodic", case)
         folder = writable(output or Path("out") / case.stem)
+        replacing_note(folder / "periodic.nc")
         try:
             with polite_stop() as stop, reporting(loaded.settings.course) as progress:
                 result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
         except SolveError as error:
             if error.run is None:
                 raise
-            typer.echo(f"error: {error}", err=True)
+            complain(f"error: {error}")
             _write(error.run, folder)
             raise typer.Exit(1) from None
         assert isinstance(result, Periodic)
@@ -49,5 +50,4 @@ def _write(result: Periodic, folder: Path) -> None:
         written.append(result.plot(folder / "multipliers.png", "multipliers"))
     if result.has_loops:
         written.append(result.plot(folder / "loops.png", "loops"))
-    typer.echo(result.report())
-    typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+    told(result, written)

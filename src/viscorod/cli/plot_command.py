@@ -10,7 +10,7 @@ import typer
 
 from viscorod.cli.files import motion, opened
 from viscorod.cli.options import ResultFile, output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, written
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -122,7 +122,7 @@ def plot(
                 from viscorod.pictures.plots.plot_strain import draw_space_time
 
                 picture = draw_space_time(run, quantity or "section_force", component, rod)
-        typer.echo(f"Written: {write(picture, target)}")
+        written([write(picture, target)], first=True)
 
 
 def _modes(result: Result, count: int, about: str | None) -> Figure:

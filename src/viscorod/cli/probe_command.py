@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import opened
 from viscorod.cli.options import ResultFile, output_option, range_of
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, written
 from viscorod.errors import Fault, InputError
 
 __all__ = ["probe"]
@@ -59,4 +59,4 @@ def probe(
         if output is None:
             typer.echo(text(columns), nl=False)
         else:
-            typer.echo(f"Written: {write(columns, output)}")
+            written([write(columns, output)], first=True)

@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
+from viscorod.cli.command_kind import quiet
 from viscorod.solve.settings.course import Course
 
 Progress: TypeAlias = Callable[[float, float], None]
@@ -20,7 +21,9 @@ _LINES = 5  # lines over a whole run where there is no terminal
 @contextmanager
 def reporting(course: Course) -> Iterator[Progress]:
     """Show progress along what grows during an analysis: time, load factor, frequency or speed."""
-    if sys.stderr.isatty():
+    if quiet():
+        yield _nothing
+    elif sys.stderr.isatty():
         with _bar(course) as progress:
             yield progress
     else:
@@ -30,19 +33,22 @@ def reporting(course: Course) -> Iterator[Progress]:
 @contextmanager
 def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
     """Show how many of ``total`` things are done, fractions included; ``noun`` names them."""
+    if quiet():
+        yield _nothing
+        return
     if sys.stderr.isatty():
         from rich.console import Console
         from rich.progress import BarColumn, Progress, TextColumn, TimeRemainingColumn
 
         columns = (
-            TextColumn("{task.completed:.1f} of {task.total:g} " + noun),
+            TextColumn("{task.fields[whole]} of {task.total:g} " + noun),
             BarColumn(bar_width=None),
             TimeRemainingColumn(),
             TextColumn("left"),
         )
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("", total=total)
-            yield lambda done: bar.update(task, completed=done)
+            task = bar.add_task("", total=total, whole=0)
+            yield lambda done: bar.update(task, completed=done, whole=_whole(done))
         return
     shown = 0
     first: tuple[float, float] | None = None  # when, and what was done before
@@ -55,13 +61,22 @@ def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
         if part > shown:
             shown = part
             began, start = first
-            state = f"{done:.1f} of {total} {noun}"
+            state = f"{_whole(done)} of {total} {noun}"
             if done > start and now > began:
                 rate = (done - start) / (now - began)
-                state += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.1f} s left"
+                state += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.0f} s left"
             print(state, file=sys.stderr, flush=True)
 
     yield update
+
+
+def _nothing(*_: float) -> None:
+    """Show nothing."""
+
+
+def _whole(done: float) -> int:
+    """Return how many things are done, without those that are on the way."""
+    return int(done * (1.0 + 1e-9))
 
 
 @contextmanager
@@ -110,7 +125,7 @@ def _lines(course: Course) -> Progress:
             state = f"{name} = {reached:.4g} of {course.end:g}{unit}, step {step:.3g}{unit}"
             if done > start:
                 left = (now - began) * (1.0 - done) / (done - start)
-                state += f", {max(left, 0.0):.1f} s left"
+                state += f", {max(left, 0.0):.0f} s left"
             print(state, file=sys.stderr, flush=True)
 
     return update

@@ -9,7 +9,7 @@ import typer
 from viscorod.cli.files import case_for, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import SolveError
 
 __all__ = ["response"]
@@ -24,6 +24,7 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
 
         loaded = case_for("response", case)
         folder = writable(output or Path("out") / case.stem)
+        replacing_note(folder / "response.nc")
         code = 0
         try:
             with polite_stop() as stop, reporting(loaded.settings.course) as progress:
@@ -31,12 +32,11 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
         except SolveError as error:
             if not isinstance(error.run, FrequencyResponse):
                 raise
-            typer.echo(f"error: {error}", err=True)
+            complain(f"error: {error}")
             result, code = error.run, 1
         assert isinstance(result, FrequencyResponse)
         written = [result.save(folder / "response.nc")]
         written += [result.plot(folder / f"{kind}.png", kind) for kind in ("bode", "nyquist")]
-        typer.echo(result.report())
-        typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+        told(result, written)
         if code:
             raise typer.Exit(code)

@@ -11,11 +11,12 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, writable
 from viscorod.cli.key_values import SetValues, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -47,8 +48,9 @@ def run(
         require_free(folder, stopped=anew)
         discrete = discretised_case(loaded)
         warnings = doubts(discrete, loaded.settings)
-        for warning in warnings:
-            typer.echo(f"warning: {warning}", err=True)
+        replacing_note(folder / "run.nc")
+        for warning in [] if quiet() else warnings:
+            complain(f"warning: {warning}")
         _compute(loaded, folder, warnings, discrete, anew=anew)
 
 
@@ -135,18 +137,17 @@ def _compute(
                     stop=stop,
                 )
         except SolveError as error:
-            typer.echo(f"error: {error}", err=True)
+            complain(f"error: {error}")
             if error.run is not None:
                 if isinstance(error.run, Run) and error.run.outcome == "interrupted":
-                    typer.echo(f"go on with: viscorod resume {folder}", err=True)
+                    complain(f"go on with: viscorod resume {folder}")
                 written = _write(error.run, folder, doubts)
-                typer.echo(f"written up to there: {', '.join(map(str, written))}", err=True)
+                complain(f"written up to there: {', '.join(map(str, written))}")
             raise typer.Exit(1) from None
         if static and anew:
             remove(folder / FOLDER)
         written = _write(result, folder, doubts)
-    typer.echo(result.report())
-    typer.echo(f"\nWritten: {', '.join(map(str, written))}")
+    told(result, written)
 
 
 def _write(

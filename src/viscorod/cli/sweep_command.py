@@ -11,7 +11,7 @@ import typer
 from viscorod.cli.files import existing, writable
 from viscorod.cli.key_values import column_of, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import InputError, SolveError
 
 if TYPE_CHECKING:
@@ -142,6 +142,8 @@ def sweep(
         part = part_of(members)
         asked = dict(map(named, quantity or []))
         array_job = part is not None  # several of them share the folder
+        if not array_job:
+            replacing_note(folder / "sweep.nc")
         with nullcontext() if array_job else locked(folder):
             try:
                 with counting(count, "members") as progress:
@@ -158,10 +160,9 @@ def sweep(
                         progress=progress,
                     )
             except SolveError as error:
-                typer.echo(f"error: {error}", err=True)
+                complain(f"error: {error}")
                 result = error.run
-            typer.echo(result.report())
-            typer.echo(f"\nWritten: {', '.join(map(str, write(result, folder, alone=not array_job)))}")
+            told(result, write(result, folder, alone=not array_job))
         left_out = ("not run",) if array_job else ()
         if any(member.outcome not in left_out for member in result.failed):
             raise typer.Exit(1)

@@ -1,16 +1,35 @@
-"""Output of the commands: errors as one message, notes, tables that fit the terminal."""
+"""Output of the commands: errors as one message, reports, notes, tables that fit the terminal."""
 
 from __future__ import annotations
 
+import json
 import shutil
-from collections.abc import Iterator, Mapping, Sequence
+import sys
+import time
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 import typer
 
+from viscorod.cli.command_kind import quiet, wants_json
 from viscorod.errors import InputError, SolveError
 
-__all__ = ["cell", "notes", "readable_errors", "rows_text"]
+if TYPE_CHECKING:
+    from viscorod.results.text_table import Column
+
+__all__ = [
+    "cell",
+    "complain",
+    "notes",
+    "readable_errors",
+    "replacing_note",
+    "rows_text",
+    "say",
+    "told",
+    "written",
+]
 
 
 @contextmanager
@@ -19,32 +38,104 @@ def readable_errors() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        typer.echo(f"error: {error}", err=True)
+        complain(f"error: {error}")
         raise typer.Exit(2) from None
     except SolveError as error:
-        typer.echo(f"error: {error}", err=True)
+        complain(f"error: {error}")
         raise typer.Exit(1) from None
+
+
+def complain(text: str) -> None:
+    """Print a message for the user beside what the command prints, on a terminal wrapped at words."""
+    typer.echo(_fitted(text) if sys.stderr.isatty() else text, err=True)
+
+
+def _fitted(text: str) -> str:
+    import textwrap  # here, so that help is instant
+
+    width = shutil.get_terminal_size((80, 24)).columns
+    return "\n".join(
+        textwrap.fill(line, width, subsequent_indent="  ", break_long_words=False, break_on_hyphens=False)
+        for line in text.splitlines()
+    )
+
+
+def say(text: str) -> None:
+    """Print text, unless the command was told to be quiet."""
+    if not quiet():
+        typer.echo(text)
+
+
+def written(paths: Iterable[Path | str], more: str = "", *, first: bool = False) -> None:
+    """Say which files were written, after an empty line unless it is the ``first`` that is said."""
+    from viscorod.results.text_table import wrapped
+
+    text = wrapped(f"Written: {', '.join(map(str, paths))}{more}")
+    say(text if first else f"\n{text}")
+
+
+def told(result: Any, paths: Iterable[Path | str] = ()) -> None:
+    """Print the report of a result and the files that were written, or its numbers as JSON if asked to."""
+    paths = list(paths)
+    if wants_json():
+        from viscorod.results.result_numbers import numbers_of
+
+        data = {**numbers_of(result), "written": list(map(str, paths))}
+        typer.echo(json.dumps(data, indent=2, ensure_ascii=False, allow_nan=False))
+        return
+    say(result.report())
+    if paths:
+        written(paths)
+
+
+def replacing_note(*paths: Path) -> None:
+    """Say which result is about to be replaced, and from when it is."""
+    for path in paths:
+        if path.is_file() and not quiet():
+            when = time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
+            complain(f"note: {path} of {when} is replaced; name another folder with -o to keep it")
 
 
 def notes(sentences: Sequence[str]) -> None:
     """Print sentences as notes."""
+    from viscorod.results.text_table import wrapped
+
     if sentences:
-        typer.echo("\n".join(["", *(f"Note: {sentence}" for sentence in sentences)]))
+        say("\n".join(["", *(wrapped(f"Note: {sentence}") for sentence in sentences)]))
 
 
-def rows_text(title: str, rows: Sequence[Mapping[str, object]]) -> str:
-    """Return a table of rows, transposed where it would be wider than the terminal."""
-    from viscorod.results.text_table import table
+def rows_text(title: str, rows: Sequence[Mapping[str, object]], *, prefixes: bool = True) -> str:
+    """Return a table of rows, transposed where they would not fit beside each other.
+
+    Numbers whose key ends with a unit, "length [m]", get a prefix, unless they are to be copied into other programs.
+    """
+    from viscorod.results.text_table import fits, table
 
     if not rows:
         return ""
     keys = list(dict.fromkeys(key for row in rows for key in row))
-    cells = [[cell(row.get(key, "")) for key in keys] for row in rows]
-    text = table(title, keys, cells)
-    if max(map(len, text.splitlines())) <= shutil.get_terminal_size((100, 24)).columns:
-        return text
-    turned = [list(column) for column in zip(keys, *cells, strict=True)]
-    return table(title, turned[0], turned[1:])
+    columns = [_column(key, [row.get(key, "") for row in rows], prefixes) for key in keys]
+    header = [name for name, _ in columns]
+    cells = list(zip(*(column for _, column in columns), strict=True))
+    if not fits(header, cells):
+        turned = [[name, *column] for name, column in columns]
+        if fits(turned[0], turned[1:]):
+            return table(title, turned[0], turned[1:])
+    return table(title, header, cells)
+
+
+def _column(key: str, values: Sequence[object], prefixes: bool) -> Column:
+    """Return the header and the cells of a column."""
+    from viscorod.results.text_numbers import scaled
+
+    floats = [value for value in values if isinstance(value, float)]
+    name, bracket, unit = key.partition(" [")
+    if not prefixes or not bracket or not unit.endswith("]") or not floats:
+        return key, [cell(value) for value in values]
+    factor, unit = scaled(unit[:-1], floats)
+    return f"{name} [{unit}]", [
+        cell(factor * value if isinstance(value, float) else value) for value in values
+    ]
 
 
 def cell(value: object) -> str:

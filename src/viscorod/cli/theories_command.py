@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import existing
 from viscorod.cli.options import CaseFile, OptionalNumber, output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, say, written
 from viscorod.errors import Fault, InputError
 
 __all__ = ["theories"]
@@ -59,6 +59,6 @@ def theories(
         found = as_model(loaded.description).compare_theories(
             **{name: value for name, value in given.items() if value is not None}
         )
-        typer.echo(f"{loaded.title}\n{found}" if loaded.title else str(found))
+        say(f"{loaded.title}\n{found}" if loaded.title else str(found))
         if output is not None:
-            typer.echo(f"\nWritten: {found.plot(output)}")
+            written([found.plot(output)])

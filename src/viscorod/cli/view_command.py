@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.options import output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, written
 
 __all__ = ["view"]
 
@@ -38,7 +38,7 @@ def view(
         from viscorod.results.files.storage import load
 
         page = write(load(result), output or result.with_suffix(".html"), frames=frames or FRAMES)
-        typer.echo(f"Written: {page} ({page.stat().st_size / 1e6:.1f} MB)")
+        written([page], f" ({page.stat().st_size / 1e6:.1f} MB)", first=True)
         if open_:
             import webbrowser
 

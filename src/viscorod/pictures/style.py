@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results import text_numbers
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -25,8 +26,6 @@ PURPLE = "#CC79A7"
 INK, GREY, LIGHT = "#222222", "#8a8a8a", "#d8d8d8"
 TEXT, SMALL = 11.0, 9.5
 DPI = 120
-
-_PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
 def figure(width: float, height: float) -> Figure:
@@ -160,13 +159,4 @@ def heading(axes: Axes, text: str) -> None:
     axes.set_title(text, loc="left", fontsize=TEXT, color=INK)
 
 
-def scaled(unit: str, values: Any) -> tuple[float, str]:
-    """Return a factor and the unit with its prefix in which the largest value is between about 1 and 1000.
-
-    From 0.01 to 10000 the plain unit stays.
-    """
-    largest = float(np.max(np.abs(values), initial=0.0))
-    if largest == 0.0 or 0.01 <= largest < 1e4:
-        return 1.0, unit
-    size, prefix = next((pair for pair in _PREFIXES if largest >= pair[0]), _PREFIXES[-1])
-    return 1.0 / size, prefix + unit
+scaled = text_numbers.scaled

@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, page, table
 from viscorod.typing import Floats
 
 __all__ = ["Buckling"]
@@ -103,7 +103,7 @@ class Buckling(Result):
             blocks.append("Fewer were found than asked for: the equilibria keep their stiffness beyond these")
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     @checked
     def plot(self, path: str | Path, count: int | None = None) -> Path:

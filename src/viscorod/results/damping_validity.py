@@ -25,6 +25,8 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import blocks
+from viscorod.results.text_numbers import quantity
+from viscorod.results.text_table import page
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -73,7 +75,7 @@ class StrainValidity:
         return 2.0 * math.pi * self.high_frequency * self.time
 
     def __str__(self) -> str:
-        spectrum = f"95 % of the energy was lost below {self.high_frequency:.3g} Hz"
+        spectrum = f"95 % of the energy was lost below {quantity(self.high_frequency, 'Hz', 3)}"
         measure = (
             f"angular frequency times retardation time is {self.product:.2g} there"
             if math.isnan(self.bound)
@@ -82,7 +84,7 @@ class StrainValidity:
         verdict = "right" if self.valid else "not to be trusted"
         return (
             f"rod {self.rod}, {self.strain}: Kelvin-Voigt damping is {verdict} for this motion; {spectrum}, "
-            f"{measure}; it is right up to about {self.limit:.3g} Hz"
+            f"{measure}; it is right up to about {quantity(self.limit, 'Hz', 3)}"
         )
 
 
@@ -114,10 +116,11 @@ class DampingValidity:
             return "Kelvin-Voigt damping was right for this motion."
         limit = min(strain.limit for strain in self.strains if not strain.valid)
         head = "Kelvin-Voigt damping was not right for this motion; "
-        return head + f"it would be for frequencies up to {limit:.3g} Hz."
+        return head + f"it would be for frequencies up to {quantity(limit, 'Hz', 3)}."
 
     def __str__(self) -> str:
-        return "\n".join([self.sentence, *(f"  {text}" for text in (*self.strains, *self.notes))])
+        lines = [self.sentence, *(f"  {text}" for text in (*self.strains, *self.notes))]
+        return page(["\n".join(lines)])
 
 
 def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
@@ -153,7 +156,7 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
     resolved = 0.5 / float(np.max(np.diff(run.time)))
     if any(strain.high_frequency > MARGIN * resolved for strain in found):
         notes.append(
-            f"the records are too far apart to resolve frequencies above {MARGIN * resolved:.3g} Hz; "
+            f"the records are too far apart to resolve frequencies above {quantity(MARGIN * resolved, 'Hz', 3)}; "
             "give a smaller output_interval"
         )
     return DampingValidity(tuple(found), tolerance, tuple(notes))
@@ -209,8 +212,8 @@ def _loss_note(run: Run, rod: str, law: dict[str, Any], largest: Floats, work: F
     low, high = law["loss_band"]
     place = "within it" if low <= mean <= high else "outside of it, where the loss factor falls off"
     return (
-        f"rod {rod}: its loss factor holds from {low:.4g} to {high:.4g} Hz; the mean frequency of its {COMPONENTS[k]} "
-        f"is {mean:.3g} Hz, {place}"
+        f"rod {rod}: its loss factor holds from {quantity(low, 'Hz', 4)} to {quantity(high, 'Hz', 4)}; the mean "
+        f"frequency of its {COMPONENTS[k]} is {quantity(mean, 'Hz', 3)}, {place}"
     )
 
 

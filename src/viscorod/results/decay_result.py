@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, page, table
 from viscorod.typing import Floats
 
 __all__ = ["Decay"]
@@ -125,7 +125,7 @@ class Decay(StatelessResult):
             blocks.append(table("Mode 1 by amplitude (± 95 %)", header, rows))
         if self.warnings:
             blocks.append(listed("Doubts", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     @checked
     def plot(self, path: str | Path) -> Path:

@@ -6,9 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.checks import checked_with, numbers
+from viscorod.checks import checked_with
+from viscorod.checks import numbers as checked_numbers
 from viscorod.errors import InputError
 from viscorod.results.extremes import creeping_rest, maxima, resting_value
+from viscorod.results.text_numbers import quantity
+from viscorod.results.text_table import Column, numbers, tabulated, words
 from viscorod.typing import Floats
 
 _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
@@ -45,7 +48,7 @@ class Decrement:
         """Distance of each maximum from rest [m], shape (n,); cycle k starts with maximum k."""
         return np.abs(self.value - self.rest)
 
-    @checked_with(time=numbers)
+    @checked_with(time=checked_numbers)
     def rest_at(self, time: Floats) -> Floats:
         """Return the displacement about which it swings [m] at any times [s]; beyond the maxima that of the nearest."""
         return np.asarray(np.interp(time, self.time, np.broadcast_to(self.rest, self.time.shape)))
@@ -133,26 +136,30 @@ class Decrement:
 
     def __str__(self) -> str:
         first, *_, last = self.rest_at(self.time)
-        about = f" about {last:.6g} m" if last else ""
+        about = f" about {quantity(float(last), 'm')}" if last else ""
         if first != last:
-            about = f" about a rest that creeps from {first:.6g} to {last:.6g} m"
-        lines = [
+            about = f" about a rest that creeps from {quantity(float(first), 'm')} to {quantity(float(last), 'm')}"
+        # a row for each maximum, whose cycle the last one only ends
+        cycles = [str(number) for number in range(1, len(self.time))]
+        table = tabulated(
             f"Decay of {self.place} along {self.axis}{about}",
-            "  cycle  starts at [s]  amplitude [m]  period [s]  log decrement  damping ratio",
-        ]
-        rows = zip(
-            self.time, self.amplitude, self.period, self.log_decrement, self.damping_ratio, strict=False
+            words("cycle", [*cycles, "end"]),
+            numbers(("starts",), "s", self.time, aligned=True),
+            numbers(("amplitude",), "m", self.amplitude),
+            _ended(numbers(("period",), "s", self.period, aligned=True)),
+            _ended(numbers(("log decrement",), "", self.log_decrement, digits=5)),
+            _ended(numbers(("damping ratio",), "", self.damping_ratio, digits=5)),
         )
-        for number, (time, amplitude, period, delta, ratio) in enumerate(rows, 1):
-            lines.append(
-                f"  {number:5d}{time:15.5f}{amplitude:15.6g}{period:12.5f}{delta:15.6f}{ratio:15.6f}"
-            )
-        lines.append(f"  {'end':>5s}{self.time[-1]:15.5f}{self.amplitude[-1]:15.6g}")
         name, limit = self.limit
-        lines.append(f"  {name}: damping ratio {limit:.6f}")
+        lines = [table, f"  {name}: damping ratio {limit:.5g}"]
         if self.scattered:
             lines.append("  (the ratios jump from cycle to cycle: several modes take part)")
         return "\n".join(lines)
+
+
+def _ended(columns: list[Column]) -> list[Column]:
+    """Return columns of cycles with an empty cell beside the maximum that ends the last one."""
+    return [(name, [*cells, ""]) for name, cells in columns]
 
 
 def decrement(

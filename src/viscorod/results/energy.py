@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.text_numbers import number, percent, quantity, scaled
+from viscorod.results.text_table import wrapped
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -100,23 +102,32 @@ class Energy:
 
     def __str__(self) -> str:
         moved = self.moved
-        rows = [
-            ("kinetic", self.kinetic[-1]),
-            ("elastic", self.elastic[-1]),
-            ("lost to viscosity", self.viscous[-1]),
-            *(
-                (f"  in branches of {time:.3g} s", loss[-1])
-                for time, loss in zip(self.relaxation_times, self.branches.T, strict=True)
-            ),
-            *([("lost to drag, outside", self.outside[-1])] if self.outside.any() else []),
-            ("work of loads and supports", self.external[-1]),
-            *([("work of rest strains", self.actuator[-1])] if self.actuator.any() else []),
-            ("numerical remainder", self.numerical[-1]),
+        values = {"kinetic": self.kinetic[-1], "elastic": self.elastic[-1]}
+        values["lost to viscosity"] = self.viscous[-1]
+        for time, loss in zip(self.relaxation_times, self.branches.T, strict=True):
+            values[f"  in branches of {quantity(float(time), 's', 3)}"] = loss[-1]
+        if self.outside.any():
+            values["lost to drag, outside"] = self.outside[-1]
+        values["work of loads and supports"] = self.external[-1]
+        if self.actuator.any():
+            values["work of rest strains"] = self.actuator[-1]
+        values["numerical remainder"] = self.numerical[-1]
+        there = np.array([*values.values(), self.total[0]])
+        scale, unit = scaled("J", np.append(there, moved))
+        size = scale * max(moved, float(np.max(np.abs(there))))
+        start = f"{number(scale * self.total[0], size=1e-2 * size)} {unit}"
+        lines = [
+            wrapped(
+                f"Energy at {quantity(float(self.time[-1]), 's')} (kinetic and elastic at the start: {start}; "
+                f"moved: {number(scale * moved)} {unit})"
+            )
         ]
-        start = f"kinetic and elastic at the start: {self.total[0]:.6g} J"
-        lines = [f"Energy at {self.time[-1]:g} s ({start}; moved: {moved:.6g} J)"]
-        for name, value in rows:
-            part = f"{100.0 * value / moved + 0.0:11.4f} % of what moved" if moved > 0.0 else ""
-            lines.append(f"  {name:<27s}{value + 0.0:14.6g} J{part}")
-        lines.append(f"  largest numerical remainder: {100.0 * self.numerical_fraction:.3g} % of what moved")
+        for name, value in values.items():
+            part = percent(value / moved) if moved > 0.0 else ""
+            amount = number(scale * float(value), size=1e-2 * size)
+            lines.append(
+                f"  {name:<28s}{amount:>14s} {unit}{f'{part:>12s} of what moved' if part else ''}".rstrip()
+            )
+        most = f"{100.0 * self.numerical_fraction:.3g} %"
+        lines.append(f"  largest numerical remainder: {most} of what moved")
         return "\n".join(lines)

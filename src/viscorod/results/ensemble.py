@@ -14,7 +14,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.results.sweep_result import Sweep
-from viscorod.results.text_table import table
+from viscorod.results.text_table import page, table
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -266,7 +266,7 @@ class Ensemble(Sweep):
         blocks += told[:10]
         if len(told) > 10:
             blocks.append(f"and {len(told) - 10} more messages in the table")
-        return "\n\n".join([*blocks, *self.notes])
+        return page([*blocks, *self.notes])
 
     def _errors_text(self) -> str:
         """Say what mesh and steps leave, of the members for which that was estimated."""

@@ -12,7 +12,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, page, table
 from viscorod.typing import Floats
 
 __all__ = ["FollowedModes", "Limit", "Meeting", "error_text"]
@@ -158,7 +158,7 @@ class FollowedModes(StatelessResult):
 
     def report(self) -> str:
         """Return a report: modes at both ends, limits, crossings and veerings, warnings."""
-        return "\n\n".join(block for block in (*self._blocks(), self._meetings(), self._warnings()) if block)
+        return page([*self._blocks(), self._meetings(), self._warnings()])
 
     def _blocks(self) -> list[str]:
         return [self._heading(), self._modes(), self._limits()]

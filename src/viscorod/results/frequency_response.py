@@ -13,7 +13,8 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_numbers import number, quantity
+from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.typing import Floats
 
 __all__ = ["FrequencyResponse"]
@@ -147,9 +148,8 @@ class FrequencyResponse(StatelessResult):
         """Return a report: band, peaks of every response with their damping, poles, warnings."""
         hertz = self.frequencies
         heading = f"{self.title + chr(10) if self.title else ''}Frequency response, {len(hertz)} frequencies"
-        heading += (
-            f" from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz, about {self.data.attrs.get('about', 'a state')}"
-        )
+        heading += f" from {quantity(hertz[0], 'Hz')} to {quantity(hertz[-1], 'Hz')}, "
+        heading += f"about {self.data.attrs.get('about', 'a state')}"
         if "line_error" in self.data.attrs:
             heading += (
                 f"\nLines between them follow every response to {100.0 * self.data.attrs['line_error']:.2g} % "
@@ -167,15 +167,19 @@ class FrequencyResponse(StatelessResult):
         for j, source in enumerate(self.inputs):
             for k, target in enumerate(self.outputs):
                 blocks.append(self._peaks(k, j, f"{target} over {source}, {self.unit(k, j)}"))
-        rows = [
-            [str(name), f"{abs(s) / (2.0 * np.pi):.6g}", f"{-s.real / abs(s) + 0.0:.5g}"]
-            for name, s in zip(self.data["pole_name"].values, self.poles, strict=True)
-        ]
-        if rows:
-            blocks.append(table("Poles", ["mode", "frequency [Hz]", "damping ratio"], rows))
+        if len(self.poles):
+            ratios = (-self.poles.real / np.abs(self.poles)).tolist()
+            blocks.append(
+                tabulated(
+                    "Poles",
+                    words("mode", map(str, self.data["pole_name"].values)),
+                    numbers(("frequency",), "Hz", np.abs(self.poles) / (2.0 * np.pi)),
+                    words("damping ratio", [number(ratio, 5) for ratio in ratios]),
+                )
+            )
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     def _peaks(self, k: int, j: int, title: str) -> str:
         found = self.resonances(k, j)
@@ -184,20 +188,21 @@ class FrequencyResponse(StatelessResult):
             if not size.any():
                 return f"{title}: no response"
             return f"{title}: no peak; from {size.min():.5g} to {size.max():.5g}"
-        header = ["peak of", "at [Hz]", "size", "half power", "circle", "pole"]
-        rows = [
-            [
-                one.name or "-",
-                f"{one.frequency:.6g}",
-                f"{'' if one.resolved else '> '}{one.amplitude:.5g}",
-                *(
-                    "-" if ratio is None else f"{ratio:.4g}"
-                    for ratio in (one.half_power, one.circle, one.pole)
-                ),
-            ]
-            for one in found
-        ]
-        text = table(f"{title}: peaks, and damping ratios by three ways", header, rows)
+        by = {
+            way: ["-" if ratio is None else number(ratio, 4) for ratio in ratios]
+            for way, ratios in (
+                ("half power", [one.half_power for one in found]),
+                ("circle", [one.circle for one in found]),
+                ("pole", [one.pole for one in found]),
+            )
+        }
+        text = tabulated(
+            f"{title}: peaks, and damping ratios by three ways",
+            words("peak of", [one.name or "-" for one in found]),
+            numbers(("at",), "Hz", [one.frequency for one in found]),
+            words("size", [f"{'' if one.resolved else '> '}{one.amplitude:.5g}" for one in found]),
+            *(words(way, cells) for way, cells in by.items()),
+        )
         if all(one.resolved for one in found):
             return text
         return (

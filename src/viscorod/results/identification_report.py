@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, page, table
 
 if TYPE_CHECKING:
     from viscorod.results.identification import Identification, Number
@@ -47,7 +47,7 @@ def identification_report(fit: Identification) -> str:
         )
     if fit.warnings:
         blocks.append(listed("Warnings", fit.warnings))
-    return "\n\n".join(blocks)
+    return page(blocks)
 
 
 def limits_text(one: Number) -> tuple[str, str]:

@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, page, table
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
 
@@ -201,7 +201,7 @@ class MasterCurve(StatelessResult):
         blocks.append("\n".join(lines))
         if self.warnings:
             blocks.append(listed("Doubts", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     @checked
     def write_table(self, path: str | Path) -> Path:

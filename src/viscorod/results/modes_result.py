@@ -10,7 +10,8 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_numbers import number
+from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.typing import Floats
 
 __all__ = ["Modes"]
@@ -120,13 +121,17 @@ class Modes(Result):
     def report(self) -> str:
         """Return a report: a table of the modes, how sure they are, warnings."""
         errors = self.frequency_errors
-        header = ["mode", "frequency [Hz]", "damping ratio"] + (["mesh error"] if len(errors) else [])
-        rows = []
-        for k, (name, s) in enumerate(zip(self.names, self.eigenvalues, strict=True)):
-            over = k >= self.rigid and abs(s.imag) <= 1e-9 * abs(s)
-            ratio = "overdamped" if over else f"{self.damping_ratios[k]:.5g}"
-            row = [f"{k + 1}: {name}", f"{self.frequencies[k]:.6g}", ratio]
-            rows.append(row + ([f"{errors[k]:.1g}"] if len(errors) else []))
+        ratios = [
+            "overdamped" if k >= self.rigid and abs(s.imag) <= 1e-9 * abs(s) else number(ratio, 5)
+            for k, (s, ratio) in enumerate(zip(self.eigenvalues, self.damping_ratios.tolist(), strict=True))
+        ]
+        modes = tabulated(
+            "Modes",
+            words("mode", [f"{k}: {name}" for k, name in enumerate(self.names, 1)]),
+            numbers(("frequency",), "Hz", self.frequencies),
+            words("damping ratio", ratios),
+            words("mesh error", [f"{error:.1g}" for error in errors]) if len(errors) else [],
+        )
         heading = f"{self.title + chr(10) if self.title else ''}Small vibrations about {self.about}"
         sure = (
             "It is proven that none is missing among them"
@@ -136,12 +141,12 @@ class Modes(Result):
         sure += f"; largest residual {self.residuals.max(initial=0.0):.1g}"
         blocks = [
             heading,
-            table("Modes", header, rows),
+            modes,
             sure,
         ]
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     @property
     def about(self) -> str:

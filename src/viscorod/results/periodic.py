@@ -11,7 +11,8 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_numbers import number, quantity
+from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.typing import Floats
 
 __all__ = ["NO_INPUT", "Periodic"]
@@ -248,30 +249,32 @@ class Periodic(StatelessResult):
         where = (
             f"from {self.amplitude(0)[0]:.6g} to {self.amplitude(0)[-1]:.6g} of {self.outputs[0]}, free vibrations"
             if over == "amplitude"
-            else f"from {hertz[0]:.6g} to {hertz[-1]:.6g} Hz"
+            else f"from {quantity(hertz[0], 'Hz')} to {quantity(hertz[-1], 'Hz')}"
             if over == "frequency"
-            else f"at {hertz[0]:.6g} Hz, {self.levels[0]:.6g} to {self.levels[-1]:.6g} times the amplitudes"
+            else f"at {quantity(hertz[0], 'Hz')}, {self.levels[0]:.6g} to {self.levels[-1]:.6g} times the amplitudes"
         )
         blocks = [
             f"{self.title + chr(10) if self.title else ''}Periodic motions, {count} on a curve {where}, "
             f"{int(self.data.attrs['harmonics'])} harmonics"
         ]
-        rows = []
-        for k, name in enumerate(self.outputs):
-            size = self.amplitude(k)
-            at = int(size.argmax())
-            unit = str(self.data["output_unit"].values[k])
-            rows.append(
-                [
-                    name,
-                    f"{size[at]:.6g} {unit}",
-                    f"{hertz[at]:.6g}",
-                    f"{self.levels[at]:.4g}",
-                    f"{size.min():.4g}",
-                ]
+        sizes = [self.amplitude(k) for k in range(len(self.outputs))]
+        at = [int(size.argmax()) for size in sizes]
+        units = [str(unit) for unit in self.data["output_unit"].values]
+        blocks.append(
+            tabulated(
+                "Amplitudes (half of the way between extremes)",
+                words("output", self.outputs),
+                words(
+                    "largest", [quantity(size.max(), unit) for size, unit in zip(sizes, units, strict=True)]
+                ),
+                numbers(("at",), "Hz", hertz[at]),
+                words("level", [number(self.levels[k], 4) for k in at]),
+                words(
+                    "smallest",
+                    [quantity(size.min(), unit, 4) for size, unit in zip(sizes, units, strict=True)],
+                ),
             )
-        header = ["output", "largest amplitude", "at [Hz]", "level", "smallest"]
-        blocks.append(table("Amplitudes (half of the way between extremes)", header, rows))
+        )
         if over == "amplitude":
             blocks.append(self._backbone())
         if (np.asarray(self.data["unstable"].values) >= 0).all():
@@ -279,37 +282,39 @@ class Periodic(StatelessResult):
             blocks.append(f"Stability: {stable} of {count} motions are stable")
         if self.bifurcations:
             first = self.amplitude(0)
-            rows = [
-                [word, f"{hertz[k]:.6g}", f"{self.levels[k]:.5g}", f"{first[k]:.6g}"]
-                for k, word in self.bifurcations
-            ]
-            blocks.append(table("Bifurcations", ["kind", "at [Hz]", "level", self.outputs[0]], rows))
+            places = [k for k, _ in self.bifurcations]
+            blocks.append(
+                tabulated(
+                    "Bifurcations",
+                    words("kind", [word for _, word in self.bifurcations]),
+                    numbers(("at",), "Hz", hertz[places]),
+                    words("level", [number(self.levels[k], 5) for k in places]),
+                    numbers((self.outputs[0],), units[0], first[places]),
+                )
+            )
         apart = np.abs(self.work - self.loss)
         blocks.append(
-            f"Energy of a cycle: work up to {self.work.max():.5g} J; work and loss differ by at most "
+            f"Energy of a cycle: work up to {quantity(self.work.max(), 'J', 5)}; work and loss differ by at most "
             f"{apart.max() / max(np.abs(self.work).max(), 1e-300):.2g} of that"
         )
         blocks.append(f"Highest two harmonics: {float(self.data['tail'].max()):.2g} of the motion at most")
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     def _backbone(self) -> str:
         """Return a table of frequency and damping ratio over the amplitude, of some motions."""
         size, hertz, ratios = self.amplitude(0), self.frequencies, self.damping_ratios
         chosen = np.unique(np.linspace(0, len(size) - 1, 8).astype(int))
         shown = self.decrement_ratios(0) if len(size) > 2 and self.loss.all() else np.full(len(size), np.nan)
-        rows = [
-            [
-                f"{size[k]:.5g}",
-                f"{hertz[k]:.7g}",
-                f"{ratios[k]:.6g}",
-                f"{shown[k]:.6g}" if np.isfinite(shown[k]) else "-",
-            ]
-            for k in chosen
-        ]
-        header = [self.outputs[0], "frequency [Hz]", "damping ratio", "by its decrement"]
-        return table("Free vibrations", header, rows)
+        decrements = [number(shown[k]) if np.isfinite(shown[k]) else "-" for k in chosen]
+        return tabulated(
+            "Free vibrations",
+            numbers((self.outputs[0],), str(self.data["output_unit"].values[0]), size[chosen], digits=5),
+            numbers(("frequency",), "Hz", hertz[chosen], digits=7),
+            words("damping ratio", [number(ratios[k]) for k in chosen]),
+            words("by its decrement", decrements),
+        )
 
     @checked
     def save_csv(self, path: str | Path) -> Path:

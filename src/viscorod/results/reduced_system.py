@@ -10,7 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.results.state_matrices import StateMatrices
-from viscorod.results.text_table import table
+from viscorod.results.text_table import page, table
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -118,7 +118,8 @@ class ReducedSystem:
             for s, w in zip(self.poles, self.whole_poles, strict=False)
         ]
         header = ["frequency [Hz]", "damping ratio", "of the whole", "relative difference"]
-        return "\n".join([*lines, *([table("Poles", header, rows)] if rows else [])])
+        text = "\n".join([*lines, *([table("Poles", header, rows)] if rows else [])])
+        return page([text])
 
 
 def judged(

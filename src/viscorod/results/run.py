@@ -253,7 +253,7 @@ class Run(Result):
 
     def report(self) -> str:
         """Return a report: the start, every cycle of the decay, the energy account, the effort, warnings."""
-        from viscorod.results.report import run_report
+        from viscorod.results.reports.motion_report import run_report
 
         return run_report(self)
 
@@ -425,7 +425,7 @@ class Equilibrium(Result):
 
     def report(self) -> str:
         """Return a report: ends of the rods, reactions, energy, stability, the effort, warnings."""
-        from viscorod.results.report import equilibrium_report
+        from viscorod.results.reports.equilibrium_report import equilibrium_report
 
         return equilibrium_report(self)
 

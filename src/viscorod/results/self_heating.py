@@ -21,6 +21,8 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.results.array_pieces import blocks
 from viscorod.results.extremes import maxima
+from viscorod.results.text_numbers import quantity
+from viscorod.results.text_table import page
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -53,11 +55,11 @@ class RodHeating:
         cycle = (
             ""
             if math.isnan(self.per_cycle)
-            else f", at most {self.per_cycle:.3g} K in one cycle of about {self.cycle:.3g} s"
+            else f", at most {quantity(self.per_cycle, 'K', 3)} in one cycle of about {quantity(self.cycle, 's', 3)}"
         )
         return (
-            f"rod {self.rod}: at most {self.largest:.3g} K over the run (at {self.s:.4g} m; {self.mean:.3g} K in the "
-            f"mean of the rod){cycle}"
+            f"rod {self.rod}: at most {quantity(self.largest, 'K', 3)} over the run (at {quantity(self.s, 'm', 4)}; "
+            f"{quantity(self.mean, 'K', 3)} in the mean of the rod){cycle}"
         )
 
 
@@ -76,7 +78,7 @@ class SelfHeating:
             "Self-heating if no heat leaves its section, mean over the section (outer fibres of a bent rectangle get 3 "
             "times as much, of a circle 4 times):"
         )
-        return "\n".join([head, *(f"  {rod}" for rod in self.rods)])
+        return page(["\n".join([head, *(f"  {rod}" for rod in self.rods)])])
 
 
 def self_heating(run: Run) -> SelfHeating:

@@ -149,7 +149,7 @@ class Steady(Result):
 
     def report(self) -> str:
         """Return a report: the rotation, ends of the rods, energies, stability, the effort, warnings."""
-        from viscorod.results.report import steady_report
+        from viscorod.results.reports.steady_report import steady_report
 
         return steady_report(self)
 

@@ -18,7 +18,7 @@ from viscorod.results.data_schema import DIMENSION
 from viscorod.results.files.storage import load, read, result_of, write
 from viscorod.results.quantities import HISTORY_TIMES, Number
 from viscorod.results.sweep_figures import FIGURES, figures_of, shown
-from viscorod.results.text_table import table
+from viscorod.results.text_table import page, table
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -221,7 +221,7 @@ class Sweep:
         blocks += self.notes
         if self.separate:
             blocks.append(f"The members are kept apart: {self.separate}")
-        return "\n\n".join(blocks)
+        return page(blocks)
 
     def __str__(self) -> str:
         return self.report()

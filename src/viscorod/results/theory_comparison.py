@@ -9,7 +9,7 @@ from types import MappingProxyType
 
 import numpy as np
 
-from viscorod.results.text_table import listed, table
+from viscorod.results.text_table import listed, numbers, page, table, words
 from viscorod.typing import Floats
 
 __all__ = ["TheoryComparison", "TheorySolution"]
@@ -136,31 +136,32 @@ class TheoryComparison:
         return write(draw_theories(self), path)
 
     def __str__(self) -> str:
-        header = (
-            "theory",
-            "deflection [m]",
-            "axial [N]",
-            "shear [N]",
-            "moment [N m]",
-            "first frequency [Hz]",
-        )
-        rows = [_row(self.exact)]
-        for word, found in self.theories.items():
-            own = _row(found)
+        found = [self.exact, *self.theories.values()]
+        forces = np.array([_forces(one) for one in found])
+        columns = [
+            words("theory", [one.title for one in found]),
+            numbers(("deflection",), "m", [one.deflection for one in found]),
+            numbers(("axial", "shear"), "N", forces[:, :2]),
+            numbers(("moment",), "N m", forces[:, 2]),
+            numbers(("first frequency",), "Hz", [one.frequencies[0] for one in found]),
+        ]
+        header, *cells = zip(*((head, *column) for part in columns for head, column in part), strict=True)
+        rows = [cells[0]]
+        for word, own in zip(self.theories, cells[1:], strict=True):
             errors = (self.displacement_error(word), *self.force_errors(word))
-            rows.append(own)
             texts = [f"errs {_per_cent(error)}" for error in errors]
             frequency = f"errs {_per_cent(float(self.frequency_errors(word)[0]), '+')}"
-            rows.append(("", *texts, frequency))
+            rows += [own, ("", *texts, frequency)]
         title = "Largest deflection and section forces; errors are the largest differences over the largest exact value"
         warnings = [listed("Warnings", self.warnings)] if self.warnings else []
-        return "\n".join([table(title, header, rows), self.sentence, *warnings])
+        return page(["\n".join([table(title, header, rows), self.sentence, *warnings])])
 
 
-def _row(found: TheorySolution) -> tuple[str, ...]:
+def _forces(found: TheorySolution) -> Floats:
+    """Return the largest section forces ``(3,)``; those that are round-off are 0."""
     forces = found.largest_forces
     forces[:2] = np.where(forces[:2] < ROUND_OFF * forces[:2].max(), 0.0, forces[:2])
-    return (found.title, *(f"{value:.6g}" for value in (found.deflection, *forces, found.frequencies[0])))
+    return forces
 
 
 def _per_cent(part: float, sign: str = "") -> str:

@@ -17,6 +17,7 @@ from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.damping_validity import QUICK, damping_validity
 from viscorod.results.reference_shape import reference_curvatures
+from viscorod.results.text_numbers import number, quantity
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
@@ -59,9 +60,9 @@ class Condition:
     @property
     def row(self) -> tuple[str, str, str, str, str, str]:
         """What a table shows."""
-        value = "" if math.isnan(self.value) else f"{self.value:.3g}"
+        value = "" if math.isnan(self.value) else number(self.value, 3, size=self.limit)
         verdict = {True: "yes", False: "NO", None: ""}[self.kept]
-        return self.name, value, f"{self.limit:g}", verdict, self.where, self.source
+        return self.name, value, f"{self.limit:g}", verdict, self.source, self.where
 
 
 @dataclass(frozen=True)
@@ -82,7 +83,7 @@ class Validity:
         return all(condition.kept is not False for condition in self.conditions)
 
     def __str__(self) -> str:
-        header = ("should be small", "largest", "limit", "kept", "where", "from")
+        header = ("should be small", "largest", "limit", "kept", "from", "where")
         text = table("Validity of the rod model", header, [condition.row for condition in self.conditions])
         return f"{text}\n{self.sentence}".rstrip()
 
@@ -189,5 +190,5 @@ def _of_run(run: Result, name: str, source: str) -> tuple[Condition, str]:
         name = "error of the viscous stress"
         return Condition(name, source, worst.bound, found.tolerance, where), found.sentence
     worst = max(found.strains, key=lambda strain: strain.product)
-    where = f"{worst.rod}, {worst.strain}, 95 % below {worst.high_frequency:.3g} Hz"
+    where = f"{worst.rod}, {worst.strain}, 95 % below {quantity(worst.high_frequency, 'Hz', 3)}"
     return Condition(name, source, worst.product, QUICK, where), ""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import typer
 
+from viscorod.cli.command_kind import add
 from viscorod.cli.damping_commands.blade_command import blade
 from viscorod.cli.damping_commands.convert_command import convert
 from viscorod.cli.damping_commands.decay_command import decay
@@ -13,13 +14,12 @@ from viscorod.cli.damping_commands.program_commands import from_program, program
 __all__ = ["app"]
 
 app = typer.Typer(
-    help="Convert damping into other numbers and into the inputs of other programs.",
+    help="Convert damping into numbers and inputs of other programs.",
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-app.command()(convert)
-app.command()(programs)
-app.command("from")(from_program)
-app.command()(blade)
-app.command()(decay)
-app.command()(master)
+for command in (convert, programs, blade):
+    add(app, command)
+add(app, from_program, "from")
+for command in (decay, master):
+    add(app, command, numbers=True)

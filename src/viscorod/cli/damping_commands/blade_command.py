@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import rod_of
 from viscorod.cli.options import OptionalNumber, RodName, output_option
-from viscorod.cli.terminal import notes, readable_errors, rows_text
+from viscorod.cli.terminal import notes, readable_errors, rows_text, say
 from viscorod.errors import Fault, InputError
 from viscorod.whole_files import replacing
 
@@ -74,15 +74,19 @@ def blade(
             }
             for k in shown
         ]
-        typer.echo(rows_text(f"{source.name}: {len(found.stations)} stations, {chosen.length:.6g} m", rows))
-        typer.echo("\nmu [s]: " + ", ".join(f"{value:.6g}" for value in found.mu))
+        say(
+            rows_text(
+                f"{source.name}: {len(found.stations)} stations, {chosen.length:.6g} m", rows, prefixes=False
+            )
+        )
+        say("\nmu [s]: " + ", ".join(f"{value:.6g}" for value in found.mu))
         if isinstance(chosen.section, BladeSections):
             law = (
                 "the symmetric part of mu S"
                 if chosen.section.law == "same power"
                 else "T C T with the same six times"
             )
-            typer.echo(
+            say(
                 f"The rod's D is {law}; it differs from BeamDyn's mu S by up to {chosen.section.difference():.3g} of "
                 "sqrt(D_ii D_jj)"
             )
@@ -97,15 +101,15 @@ def blade(
             )
             with replacing(output) as new:
                 new.write_text(text, encoding="utf-8")
-            typer.echo(f"\nWritten: {output}, with {elements} sections")
+            say(f"\nWritten: {output}, with {elements} sections")
             return
         points = key_points(chosen, found.stations)
         write_beamdyn_blade(chosen, output, found.stations)
-        typer.echo(
+        say(
             f"\nWritten: {output}\nKey points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]):"
         )
         for row in points:
-            typer.echo("  " + "  ".join(f"{value: .10E}" for value in row))
+            say("  " + "  ".join(f"{value: .10E}" for value in row))
 
 
 def _any_rod(

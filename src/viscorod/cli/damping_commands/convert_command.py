@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 import typer
 
 from viscorod.cli.options import Frequency, OptionalNumber, numbers_of
-from viscorod.cli.terminal import readable_errors, rows_text
+from viscorod.cli.terminal import readable_errors, rows_text, say
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -90,7 +90,7 @@ def convert(
                 alpha, beta = _pair("--rayleigh", rayleigh)
                 low, high = _needed("--band", limits, "LOW,HIGH, Hz")
                 tau, error = time_from_rayleigh(alpha, beta, low, high)
-                typer.echo(
+                say(
                     f"The closest Kelvin-Voigt law from {low:g} to {high:g} Hz; its damping ratio differs by up "
                     f"to {error:.3g}."
                 )
@@ -108,11 +108,11 @@ def convert(
                     tau = c.time_from_damping_ratio(c.ratio_from_quality_factor(quality_factor or 0.0), at)
             rows = [law_row("S = C (eps + time eps_t)", tau, frequency)]
         where = "" if frequency is None else f" at {frequency:g} Hz"
-        typer.echo(_turned(f"Damping{where}", rows))
+        say(_turned(f"Damping{where}", rows))
         if limits is not None and rayleigh is None:
             at = _needed("--frequency", frequency, "where the ratio is taken, Hz")
             title = f"Rayleigh constants from {limits[0]:g} to {limits[1]:g} Hz (stretch, bending)"
-            typer.echo("\n" + rows_text(title, rayleigh_rows(tau, at, limits)))
+            say("\n" + rows_text(title, rayleigh_rows(tau, at, limits), prefixes=False))
 
 
 def _pair(flag: str, text: str) -> tuple[float, float]:

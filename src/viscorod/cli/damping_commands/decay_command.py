@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.options import OptionalNumber, output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, told
 
 __all__ = ["decay"]
 
@@ -59,10 +59,10 @@ def decay(
             name=f"{file.name}, {value}",
         )
         found = taken_apart(record, start=start, end=end, modes=modes, cycles=cycles)
-        typer.echo(found.report())
-        if output is not None:
-            written = [found.save(output / "decay.nc"), found.plot(output / "decay.png")]
-            typer.echo("\nWritten: " + ", ".join(map(str, written)))
+        if output is None:
+            told(found)
+            return
+        told(found, [found.save(output / "decay.nc"), found.plot(output / "decay.png")])
 
 
 def _column(text: str) -> str | int:

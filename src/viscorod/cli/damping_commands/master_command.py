@@ -7,8 +7,9 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.command_kind import wants_json
 from viscorod.cli.options import OptionalNumber, numbers_of, output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, say, told, written
 from viscorod.errors import Fault, InputError
 
 __all__ = ["master"]
@@ -44,17 +45,22 @@ def master(
             band=None if band is None else _pair("--band", band),
             law_range=None if law_range is None else _pair("--law-range", law_range),
         )
-        typer.echo(found.report())
-        typer.echo("\nFor a material of a case file, with temperature (degrees C):\n")
-        lines = [f"{key} = {_written(value)}" for key, value in found.shift().items()]
-        typer.echo("\n".join(["[materials.NAME.shift]", *lines]))
+        files = []
         if output is not None:
-            written = [
+            files = [
                 found.save(output / "master.nc"),
                 found.write_table(output / "master.csv"),
                 found.plot(output / "master.png"),
             ]
-            typer.echo("\nWritten: " + ", ".join(map(str, written)))
+        if wants_json():
+            told(found, files)
+            return
+        say(found.report())
+        say("\nFor a material of a case file, with temperature (degrees C):\n")
+        lines = [f"{key} = {_written(value)}" for key, value in found.shift().items()]
+        say("\n".join(["[materials.NAME.shift]", *lines]))
+        if files:
+            written(files)
 
 
 def _pair(flag: str, text: str) -> tuple[float, float]:

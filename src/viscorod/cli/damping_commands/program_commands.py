@@ -9,7 +9,7 @@ import typer
 
 from viscorod.cli.files import rod_of
 from viscorod.cli.options import Frequency, OptionalNumber, RodName, SegmentLength, Station, numbers_of
-from viscorod.cli.terminal import notes, readable_errors, rows_text
+from viscorod.cli.terminal import notes, readable_errors, rows_text, say
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
@@ -39,12 +39,12 @@ def programs(
         options = _given(segment_length, frequency)
         kinds = list(PROGRAMS.values()) if program is None else [find(word) for word in program]
         _refuse_unread(options, kinds)
-        typer.echo(f"Rod {name}, section at {at:g} m")
+        say(f"Rod {name}, section at {at:g} m")
         for kind in kinds:
             lacking = [word for word in kind.options if word not in options]
             if lacking and program is None:
                 flag = lacking[0].replace("_", "-")
-                typer.echo(f"\n{kind.title}: needs --{flag}; give it to see its inputs")
+                say(f"\n{kind.title}: needs --{flag}; give it to see its inputs")
                 continue
             try:
                 inputs = kind.from_section(
@@ -53,9 +53,9 @@ def programs(
             except InputError as error:
                 if program is not None:
                     raise
-                typer.echo(f"\n{kind.title}: {error}")
+                say(f"\n{kind.title}: {error}")
                 continue
-            typer.echo("\n" + _program_text(inputs, data))
+            say("\n" + _program_text(inputs, data))
 
 
 def from_program(
@@ -86,7 +86,7 @@ def from_program(
             numbers_of("--numbers", numbers), data, **_given(segment_length, frequency)
         )
         found = inputs.recovered(data, poissons_ratio)
-        typer.echo(f"{kind.title}: {kind.meaning}\n")
+        say(f"{kind.title}: {kind.meaning}\n")
         rows = []
         for k, word in enumerate(STRAINS):
             row: dict[str, object] = {"strain": word, "time [s]": float(found.times[k])}
@@ -94,10 +94,10 @@ def from_program(
             if found.material is not None:
                 row["material off by"] = f"{found.material.deviations[k]:+.2%}"
             rows.append(row)
-        typer.echo(rows_text(f"Rod {name}", rows))
+        say(rows_text(f"Rod {name}", rows, prefixes=False))
         if found.material is not None:
             fit = found.material
-            typer.echo(
+            say(
                 "\nClosest material: damping = "
                 f"{{ shear_time = {fit.shear_time:.10g}, bulk_time = {fit.bulk_time:.10g} }}"
             )

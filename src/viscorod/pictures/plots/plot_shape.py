@@ -9,7 +9,7 @@ import numpy as np
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
 from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_inside
-from viscorod.results.report import load_level
+from viscorod.results.reports.report_parts import load_level
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.style import BLUE, INK, SMALL, clean, heading, scaled, titled
-from viscorod.results.report import load_level
+from viscorod.results.reports.report_parts import load_level
 from viscorod.results.stress import section_patch
 
 if TYPE_CHECKING:
