@@ -541,7 +541,7 @@ WRITERS = {
     ),
     "page": lambda path: view(runs.whole(), path / "file.html"),
     "film": lambda path: runs.whole().animate(path / "file.gif", fps=2.0, speed=0.2),
-    "ParaView": lambda path: write_paraview(runs.whole(), path, times=[0.1]),
+    "ParaView": lambda path: write_paraview(runs.whole(), path / "file.vtkhdf", times=[0.1]),
 }
 
 

@@ -20,7 +20,7 @@ def test_command_writes_curve_table_and_pictures(short, tmp_path):
     case.write_text(short)
     shown = CliRunner().invoke(app, ["periodic", str(case), "-o", str(tmp_path / "out")])
     assert shown.exit_code == 0, shown.output
-    assert "6 on a curve from 90 to" in shown.output
+    assert "6 on a curve from 90 Hz to" in shown.output
     assert "does not reach its end with 6 points" in " ".join(shown.output.split())
     for name in ("amplitude.png", "multipliers.png", "loops.png", "periodic.csv"):
         assert (tmp_path / "out" / name).exists()

@@ -19,13 +19,15 @@ def test_run_report_says_what_the_user_asks():
     )
     lines = [" ".join(line.split()) for line in report.splitlines()]
     assert "beam.end 0.3 0.2 0 0 0.2 0" in lines
-    assert "1 0.00000 0.2 1.74751 0.314553 0.050000" in lines
+    assert "1 0.00000 0.2 1.74751 0.31455 0.05" in lines
     assert "(beam.end along y has the largest range of displacement, 0.37085 m)" in lines
     assert any(
-        line.startswith("lost to viscosity 0.0075") and line.endswith("% of what moved") for line in lines
+        line.startswith("lost to viscosity 7.5") and " mJ " in line and line.endswith("% of what moved")
+        for line in lines
     )
     assert (
-        "Effort: 500 steps, 0 rejected steps, 1500 iterations, 1500 factorisations, 0.5 s wall time" in lines
+        "Effort: 500 steps, 0 rejected steps, 1500 iterations, 1500 factorisations, 0.5 s wall time"
+        in " ".join(lines)
     )
     assert lines[-1] == "No warnings"
     assert "nan" not in report.lower()
@@ -42,9 +44,10 @@ def test_report_of_steps_that_follow_the_error():
         )
     ).report()  # fmt: skip
     assert "10 s simulated in 50 steps that follow the error, tolerance 0.0001, radau\n" in report
+    report = " ".join(report.split())
     assert "50 steps, 2 rejected steps, 1500 iterations, 603 evaluations of the forces, 1 Jacobian," in report
     why = "limited by the error of rotation along d3 at rod 'a'"
-    assert f"Smallest step: 0.003 s at t = 1.25 s, {why}" in report
+    assert f"Smallest step: 3 ms at t = 1.25 s, {why}" in report
     assert report.endswith("No warnings")
 
 
@@ -77,7 +80,7 @@ def test_equilibrium_report():
     assert "beam.end 0.190986 0.190986 0 -0.109014 0.190986 0" in lines
     assert "beam.end 0 0 1.5708" in lines
     assert "Stable: the tangent stiffness has no negative eigenvalue" in lines
-    assert any(line.startswith("beam.start 0 0 0 0 0 -0.0043") for line in lines)
+    assert any(line.startswith("beam.start 0 0 0 0 0 -4.3") for line in lines)
     unstable = Equilibrium(rolled_up().assign_attrs(negative_eigenvalues=2)).report()
     assert "Unstable: the tangent stiffness has 2 negative eigenvalues" in unstable
 

@@ -103,7 +103,7 @@ def test_methods_of_results(wrong, results, tmp_path, monkeypatch):
         ("plot", {"path": "a.png", "place": "beam.end", "axis": "y"}),
         ("plot_energy", {"path": "a.png"}),
         ("animate", {"path": "a.gif", "fps": 1.0, "speed": 1.0}),
-        ("save_paraview", {"folder": "a_vtk"}),
+        ("save_paraview", {"path": "a.vtkhdf"}),
     ],
 )
 def test_what_writes_files(method, good, results, tmp_path, monkeypatch):

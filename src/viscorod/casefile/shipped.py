@@ -2,12 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator, Mapping
 from pathlib import Path
+from typing import Any
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
 
-__all__ = ["shipped_case", "shipped_cases"]
+__all__ = ["needed_extra", "shipped_case", "shipped_cases"]
+
+_MESHED = ("composite", "outline")
+"""Shapes of sections that finite elements compute."""
 
 
 def shipped_cases() -> dict[str, Path]:
@@ -19,6 +24,20 @@ def shipped_cases() -> dict[str, Path]:
     source = Path(__file__).parents[3] / "examples"
     folder = installed if installed.is_dir() else source
     return {path.stem: path for path in sorted(folder.glob("*.toml"))}
+
+
+def needed_extra(content: Mapping[str, Any]) -> str:
+    """Return the extra of the package that a case needs, "sections", or an empty text."""
+    shapes = [table.get("shape") for table in _tables(content)]
+    return "sections" if any(shape in _MESHED for shape in shapes) else ""
+
+
+def _tables(value: Any) -> Iterator[Mapping[str, Any]]:
+    """Yield all tables of a case file."""
+    if isinstance(value, Mapping):
+        yield value
+    for item in value.values() if isinstance(value, Mapping) else value if isinstance(value, list) else ():
+        yield from _tables(item)
 
 
 def shipped_case(name: str) -> Path:

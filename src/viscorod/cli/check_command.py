@@ -14,7 +14,7 @@ from viscorod.cli.command_kind import wants_json
 from viscorod.cli.files import existing, writable
 from viscorod.cli.options import CaseFile, output_option
 from viscorod.cli.terminal import readable_errors, rows_text, say, written
-from viscorod.results.text_table import listed, page
+from viscorod.results.text_table import listed
 
 if TYPE_CHECKING:
     from viscorod.analyses.check import CheckReport
@@ -87,7 +87,7 @@ def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
         listed("Assumptions about damping", report.assumptions) if report.assumptions else "",
         listed("Warnings", report.warnings) if report.warnings else "No warnings",
     ]
-    return page(blocks)
+    return "\n\n".join(block for block in blocks if block)
 
 
 def _alike(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:

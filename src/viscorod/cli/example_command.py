@@ -25,17 +25,25 @@ def example(
 ) -> None:
     """List the cases that come with viscorod, or copy one."""
     with readable_errors():
-        from viscorod.casefile.shipped import shipped_case, shipped_cases
+        from viscorod.casefile.shipped import needed_extra, shipped_case, shipped_cases
 
         if name is not None:
             target = _copied(shipped_case(name), output)
-            say(f"{target}: change it, then: viscorod run {target}")
+            extra = needed_extra(tomllib.loads(target.read_text(encoding="utf-8")))
+            first = f"pip install {_installed(extra)}, " if extra else ""
+            say(f"{target}: change it, then: {first}viscorod run {target}")
             return
         cases = shipped_cases()
         width = max(map(len, cases), default=0)
         for word, path in cases.items():
-            title = tomllib.loads(path.read_text(encoding="utf-8")).get("title", "")
-            typer.echo(f"{word:<{width}}  {title}")
+            content = tomllib.loads(path.read_text(encoding="utf-8"))
+            extra = needed_extra(content)
+            more = f" (needs {_installed(extra)})" if extra else ""
+            typer.echo(f"{word:<{width}}  {content.get('title', '')}{more}".rstrip())
+
+
+def _installed(extra: str) -> str:
+    return f"'viscorod[{extra}]'"
 
 
 def _copied(case: Path, folder: Path) -> Path:

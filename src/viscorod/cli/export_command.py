@@ -40,7 +40,7 @@ def export(
     ] = None,
     vtk: Annotated[
         Path | None,
-        typer.Option("--vtk", metavar="DIR", help="Files for ParaView; open the .pvd in this folder."),
+        typer.Option("--vtk", metavar="FILE.vtkhdf", help="All states for ParaView."),
     ] = None,
     times: Annotated[
         str | None,
@@ -66,7 +66,9 @@ def export(
         from viscorod.results.run import Run
 
         if csv is None and vtk is None:
-            raise InputError(Fault("export", "", "nothing to write", "give --csv FILE.csv or --vtk DIR"))
+            raise InputError(
+                Fault("export", "", "nothing to write", "give --csv FILE.csv or --vtk FILE.vtkhdf")
+            )
         if csv is None and (history or quantity or energy or joint):
             raise InputError(
                 Fault(
@@ -100,7 +102,7 @@ def export(
                     Fault("--times", times, "goes with --vtk only", "use viscorod probe for a table")
                 )
             if sections:
-                raise InputError(Fault("--sections", "", "goes with --vtk only", "add --vtk DIR"))
+                raise InputError(Fault("--sections", "", "goes with --vtk only", "add --vtk FILE.vtkhdf"))
             return
         from viscorod.results.files.paraview import write_paraview
 

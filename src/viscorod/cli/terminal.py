@@ -109,7 +109,7 @@ def rows_text(title: str, rows: Sequence[Mapping[str, object]], *, prefixes: boo
 
     Numbers whose key ends with a unit, "length [m]", get a prefix, unless they are to be copied into other programs.
     """
-    from viscorod.results.text_table import fits, table
+    from viscorod.results.text_table import WIDTH, fits, table
 
     if not rows:
         return ""
@@ -117,11 +117,12 @@ def rows_text(title: str, rows: Sequence[Mapping[str, object]], *, prefixes: boo
     columns = [_column(key, [row.get(key, "") for row in rows], prefixes) for key in keys]
     header = [name for name, _ in columns]
     cells = list(zip(*(column for _, column in columns), strict=True))
-    if not fits(header, cells):
+    width = max(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH)
+    if not fits(header, cells, width):
         turned = [[name, *column] for name, column in columns]
-        if fits(turned[0], turned[1:]):
-            return table(title, turned[0], turned[1:])
-    return table(title, header, cells)
+        if fits(turned[0], turned[1:], width):
+            return table(title, turned[0], turned[1:], width=width)
+    return table(title, header, cells, width=width)
 
 
 def _column(key: str, values: Sequence[object], prefixes: bool) -> Column:

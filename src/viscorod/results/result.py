@@ -339,19 +339,22 @@ class Result(ABC):
         return write(self.data, path)
 
     @checked
-    def save_paraview(self, folder: str | Path, *, sections: bool = False) -> Path:
-        """Write polylines of all stored states for ParaView (pip install 'viscorod[vtk]').
+    def save_paraview(self, path: str | Path, *, sections: bool = False) -> Path:
+        """Write polylines of all stored states for ParaView, one file in the format VTKHDF.
 
         Args:
-            folder: it is made; files of this name in it are replaced.
+            path: of the file, which ends with .vtkhdf.
             sections: also write the surfaces of rods with their true sections, with axial and von Mises stress.
 
         Returns:
-            The collection ``run.pvd``, to be opened in ParaView.
+            The path.
+
+        Raises:
+            InputError: another suffix, or the file cannot be written.
         """
         from viscorod.results.files.paraview import write_paraview
 
-        return write_paraview(self, folder, sections=sections)
+        return write_paraview(self, path, sections=sections)
 
     @abstractmethod
     def report(self) -> str:

@@ -33,10 +33,10 @@ def numbers_of(result: AnyResult | Sweep) -> dict[str, Any]:
     if isinstance(result, Sweep):
         table = result.table().reset_index()
         members = [dict(zip(table.columns, row, strict=True)) for row in table.itertuples(index=False)]
-        found = {"kind": "sweep", "title": result.title, "members": members, "notes": list(result.notes)}
-        return _dictionary(found)
+        notes = list(result.notes)
+        return _dictionary({"kind": "sweep", "title": result.title, "members": members, "notes": notes})
     attrs = result.data.attrs
-    found = {"kind": result.kind, "title": result.title, "outcome": result.outcome}
+    found: dict[str, Any] = {"kind": result.kind, "title": result.title, "outcome": result.outcome}
     found["warnings"] = list(result.warnings)
     found |= {
         name: json.loads(value) if isinstance(value, str) and value[:1] in ("{", "[") else value

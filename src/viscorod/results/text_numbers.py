@@ -64,7 +64,8 @@ def quantity(value: float, unit: str, digits: int = 6) -> str:
 
 def number(value: float, digits: int = 6, *, size: float = 0.0) -> str:
     """Return a number with significant digits; round-off against ``size`` reads 0, and there is no minus zero."""
-    return f"{0.0 if abs(value) < _ROUND_OFF * size else value + 0.0:.{digits}g}"
+    text = f"{0.0 if abs(value) < _ROUND_OFF * size else value + 0.0:.{digits}g}"
+    return f"{float(text):g}" if "e" in text and 1.0 <= abs(value) < _PLAIN[1] else text  # 30, not 3e+01
 
 
 def even(values: Iterable[float], digits: int = 6) -> list[str]:

@@ -24,7 +24,11 @@ Column = tuple[str, list[str]]
 
 
 def table(
-    title: str, header: Sequence[str], rows: Sequence[Sequence[str]], groups: Sequence[int] = ()
+    title: str,
+    header: Sequence[str],
+    rows: Sequence[Sequence[str]],
+    groups: Sequence[int] = (),
+    width: int = WIDTH,
 ) -> str:
     """Return a table: the title, then indented columns, names to the left and numbers to the right.
 
@@ -33,10 +37,11 @@ def table(
     Args:
         title: above it; header: of the columns; rows: of cells.
         groups: sizes of the groups of columns that stay together if they can; by default each is alone.
+        width: letters of a line.
     """
     first, *others = zip(header, *rows, strict=True)
     columns = [_left(first), *map(_justified, others)]
-    names, room = columns[0], WIDTH - 2 - len(columns[0][0])
+    names, room = columns[0], width - 2 - len(columns[0][0])
     lines = [wrapped(title, "")]
     for part in _parts([len(column[0]) for column in columns[1:]], groups, room):
         chosen = [columns[1 + k] for k in part]
@@ -47,9 +52,9 @@ def table(
     return "\n".join(lines)
 
 
-def fits(header: Sequence[str], rows: Sequence[Sequence[str]]) -> bool:
+def fits(header: Sequence[str], rows: Sequence[Sequence[str]], width: int = WIDTH) -> bool:
     """Return whether the columns of a table fit beside each other."""
-    return sum(2 + max(map(len, column)) for column in zip(header, *rows, strict=True)) <= WIDTH
+    return sum(2 + max(map(len, column)) for column in zip(header, *rows, strict=True)) <= width
 
 
 def _justified(column: Sequence[str]) -> list[str]:

@@ -18,8 +18,9 @@ app = typer.Typer(
     no_args_is_help=True,
     rich_markup_mode=None,
 )
-for command in (convert, programs, blade):
-    add(app, command)
+add(app, convert)
+add(app, programs)
+add(app, blade)
 add(app, from_program, "from")
-for command in (decay, master):
-    add(app, command, numbers=True)
+add(app, decay, numbers=True)
+add(app, master, numbers=True)

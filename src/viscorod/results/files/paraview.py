@@ -1,122 +1,225 @@
-"""Results for ParaView: one file of polylines for every state, and a collection that knows the times.
+"""Results for ParaView: one VTKHDF file with the polylines, points and surfaces of every state.
 
-The files are VTK XML (``.vtp``, written by the VTK library through pyvista), the collection is ParaView's ``.pvd``.
-Arrays of six components would be taken for symmetric tensors, so strains and section forces come as two vectors each.
+The layout is that of VTKHDF 2.2 (https://docs.vtk.org/en/latest/vtk_file_formats/vtkhdf_file_format): a data set of
+blocks "rods", "bodies" and "sections", each PolyData with steps. What does not change with time, the connectivity
+and numbers, is there once. Arrays of six components would be taken for symmetric tensors, so strains and section forces
+come as two vectors each.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-from xml.etree import ElementTree
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.results.element_points import Stencil
+from viscorod.results.files.hdf5_output import Hdf5Output, hdf5_output, uninterrupted
 from viscorod.results.files.section_surfaces import Surfaces
 from viscorod.results.probe import fields_at, instants_of
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run
 from viscorod.typing import Floats, Integers
-from viscorod.whole_files import replacing, system_errors
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
-    import pyvista
+    import h5py
 
     from viscorod.results.result import Result
 
+__all__ = ["SUFFIX", "write_paraview"]
+
+SUFFIX = ".vtkhdf"
+_VERSION = (2, 2)
 _SEGMENTS = 2  # drawn per order of an element
 _BLOCK = 64  # states that are read at once
+_KINDS = ("Vertices", "Lines", "Polygons", "Strips")
+_FILTER = {"compression": "gzip", "compression_opts": 4, "shuffle": True}
 
-_COMPONENTS = {
-    "strain_shear_stretch": ("shear_1", "shear_2", "stretch"),
-    "strain_bend_twist": ("bend_1", "bend_2", "twist"),
-    "section_force": ("shear_1", "shear_2", "normal"),
-    "section_moment": ("bend_1", "bend_2", "torque"),
-    "angular_velocity": ("1", "2", "3"),
-}
+Fields = dict[str, Floats]
+
+
+class _Block(NamedTuple):
+    """A block of the collection.
+
+    Attributes:
+        kind: of its cells; sizes: points of each cell ``(cells,)``; connectivity: points of all cells.
+        names: of its parts; constant: arrays of points that do not change.
+    """
+
+    kind: str
+    sizes: Integers
+    connectivity: Integers
+    names: list[str]
+    constant: dict[str, np.ndarray]
 
 
 def write_paraview(
-    result: Result, folder: str | Path, times: Floats | None = None, *, sections: bool = False
+    result: Result, path: str | Path, times: Floats | None = None, *, sections: bool = False
 ) -> Path:
     """Write a result for ParaView.
 
     Rods are polylines with their radius, directors ``d1, d2, d3``, velocity, angular velocity (body axes), strains,
     section force and moment (body axes, and global ones), dissipation, and the number of the rod; bodies and their
-    named points are points with ``d1, d2, d3`` and velocities. SI units; names of rods and bodies are field data.
+    named points are points with ``d1, d2, d3`` and velocities. SI units; their names are the attribute ``names`` of the
+    groups of the file.
 
     Args:
         result: a run, an equilibrium (load factors, or numbers along a path, become times) or a steady rotation.
-        folder: is made; files of this name in it are replaced.
+        path: of the file, which ends with .vtkhdf.
         times: of a run [s]; all stored ones by default.
         sections: also write the surfaces of rods with their true sections, with axial and von Mises stress.
 
     Returns:
-        The collection ``run.pvd`` to open.
+        The path.
 
     Raises:
-        InputError: pyvista is missing, a time lies outside the run, or the folder cannot be written.
+        InputError: another suffix, a time lies outside the run, or the file cannot be written.
     """
-    pv = _pyvista()
-    folder = Path(folder)
-    sites, counts, radius = _rod_points(result)
-    names = {"rod": list(result.sites.rods), "body": list(result.sites.bodies)}
-    on_bodies = [result.sites.at(body) for body in names["body"]]
-    count = len(_levels(result)) if times is None else int(np.size(times))
-    digits = max(4, len(str(count - 1)))
-    surfaces = Surfaces(result, sites) if sections else None
-    collection = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
-    datasets = ElementTree.SubElement(collection, "Collection")
-    with system_errors(folder):
-        folder.mkdir(parents=True, exist_ok=True)
-        for number, (level, *kinds) in enumerate(_states(result, sites, on_bodies, times, surfaces)):
-            for part, (kind, fields) in enumerate(zip(("rod", "body", "section"), kinds, strict=True)):
-                if not fields:
-                    continue
-                if kind == "section":
-                    assert surfaces is not None
-                    mesh = _surface(pv, fields, surfaces)
-                else:
-                    mesh = _lines(pv, fields, counts) if kind == "rod" else _points(pv, fields)
-                if kind == "rod":
-                    mesh.point_data["radius"] = radius
-                mesh.field_data[f"{kind}_names"] = names["body" if kind == "body" else "rod"]
-                mesh.field_data["TimeValue"] = [level]
-                target = f"{kind}s_{number:0{digits}d}.vtp"
-                _save(mesh, folder / target)
-                entry = {"timestep": repr(level), "group": "", "part": str(part), "file": target}
-                ElementTree.SubElement(datasets, "DataSet", entry)
-    ElementTree.indent(collection)
-    path = folder / "run.pvd"
-    with replacing(path) as new:
-        ElementTree.ElementTree(collection).write(new, encoding="utf-8", xml_declaration=True)
+    path = Path(path)
+    if path.suffix != SUFFIX:
+        raise InputError(
+            Fault(
+                "path", str(path), "files for ParaView end with .vtkhdf", f"give {path.stem or 'run'}{SUFFIX}"
+            )
+        )
+    levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+    with replacing(path) as new, hdf5_output(new) as output:
+        write = partial(_write, output, result, levels, sections)
+        uninterrupted(write, output.abandon)
     return path
 
 
-def _save(mesh: pyvista.PolyData, path: Path) -> None:
-    """Write a file; VTK makes its text only, since it ends the process where the disk is full."""
-    from vtkmodules.vtkIOXML import vtkXMLPolyDataWriter
+def _write(output: Hdf5Output, result: Result, levels: Floats, sections: bool) -> None:
+    """Write all blocks, some states at once."""
+    import h5py
 
-    writer = vtkXMLPolyDataWriter()
-    writer.SetInputData(mesh)
-    writer.SetDataModeToBinary()
-    writer.SetWriteToOutputString(True)
-    writer.Write()
-    with replacing(path) as new:
-        new.write_text(writer.GetOutputString(), encoding="utf-8")
+    sites, counts, radius = _rod_points(result)
+    bodies = list(result.sites.bodies)
+    on_bodies = [result.sites.at(body) for body in bodies]
+    surfaces = Surfaces(result, sites) if sections else None
+    blocks = {
+        "rods": _Block(
+            "Lines",
+            counts,
+            np.arange(counts.sum()),
+            list(result.sites.rods),
+            {"radius": radius, "rod": np.repeat(np.arange(counts.size), counts)},
+        )
+    }
+    if bodies:
+        number = np.arange(len(bodies))
+        blocks["bodies"] = _Block("Vertices", np.ones_like(number), number, bodies, {"body": number})
+    if surfaces is not None and surfaces.quads.size:
+        quads = surfaces.quads
+        blocks["sections"] = _Block(
+            "Polygons", np.full(len(quads), 4), quads.ravel(), list(result.sites.rods), {"rod": surfaces.rod}
+        )
+    with h5py.File(output, "w", libver=("v110", "latest"), track_order=True) as file:
+        root = file.create_group("VTKHDF", track_order=True)
+        _typed(root, "MultiBlockDataSet")
+        assembly = root.create_group("Assembly", track_order=True)
+        parts = {}
+        for index, (name, block) in enumerate(blocks.items()):
+            parts[name] = _Part(root.create_group(name, track_order=True), block, levels)
+            parts[name].group.attrs["Index"] = index
+            assembly[name] = h5py.SoftLink(f"/VTKHDF/{name}")
+        for first, *states in _states(result, sites, on_bodies, levels, surfaces):
+            for name, fields in zip(("rods", "bodies", "sections"), states, strict=True):
+                if name in parts:
+                    parts[name].write(first, fields)
+                    output.require_written()
 
 
-def _pyvista() -> Any:
-    try:
-        import pyvista
-    except ModuleNotFoundError:
-        raise InputError(
-            "files for ParaView need the package pyvista, which is not installed; type: pip install 'viscorod[vtk]'"
-        ) from None
-    return pyvista
+def _typed(group: h5py.Group, kind: str) -> None:
+    """Say of what kind a group is."""
+    group.attrs["Version"] = _VERSION
+    group.attrs.create("Type", np.bytes_(kind))
+
+
+class _Part:
+    """The group of a block: PolyData whose points and fields change from step to step."""
+
+    def __init__(self, group: h5py.Group, block: _Block, levels: Floats) -> None:
+        self.group, self.steps, self.points = group, len(levels), len(next(iter(block.constant.values())))
+        _typed(group, "PolyData")
+        group["NumberOfPoints"] = np.full(self.steps, self.points, dtype=np.int64)
+        for kind in _KINDS:
+            own = kind == block.kind
+            sizes = block.sizes if own else np.zeros(0, dtype=np.int64)
+            cells = group.create_group(kind)
+            cells["NumberOfCells"] = np.full(self.steps, len(sizes), dtype=np.int64)
+            cells["NumberOfConnectivityIds"] = np.full(self.steps, sizes.sum(), dtype=np.int64)
+            cells["Offsets"] = np.concatenate([[0], np.cumsum(sizes)]).astype(np.int64)
+            cells["Connectivity"] = (block.connectivity if own else np.zeros(0)).astype(np.int64)
+        self.data = group.create_group("PointData")
+        group.attrs["names"] = block.names
+        steps = group.create_group("Steps")
+        steps.attrs["NSteps"] = self.steps
+        nothing, each = np.zeros(self.steps, dtype=np.int64), np.arange(self.steps, dtype=np.int64)
+        steps["Values"] = levels
+        steps["NumberOfParts"] = nothing + 1
+        steps["PartOffsets"] = nothing
+        steps["PointOffsets"] = each * self.points
+        steps["CellOffsets"] = np.zeros((self.steps, len(_KINDS)), dtype=np.int64)
+        steps["ConnectivityIdOffsets"] = np.zeros((self.steps, len(_KINDS)), dtype=np.int64)
+        self.offsets = steps.create_group("PointDataOffsets")
+        for name, values in block.constant.items():
+            self.data[name] = values
+            self.offsets[name] = nothing
+        self._where: dict[str, h5py.Dataset] = {}
+
+    def write(self, first: int, fields: Fields) -> None:
+        """Write some states from the number ``first`` on, arrays ``(states, points, ...)``."""
+        for name, values in _shown(fields).items():
+            if name not in self._where:
+                self._where[name] = self._created(name, values.shape[2:])
+            rows = values.reshape(-1, *values.shape[2:])
+            begin = first * self.points
+            self._where[name][begin : begin + len(rows)] = rows
+
+    def _created(self, name: str, shape: tuple[int, ...]) -> h5py.Dataset:
+        """Return the new array of all states of a field, in pieces of whole states."""
+        rows = self.steps * self.points
+        piece = max(1, min(self.points * max(1, 8192 // max(self.points, 1)), rows))
+        home = self.group if name == "Points" else self.data
+        if home is self.data:
+            self.offsets[name] = np.arange(self.steps, dtype=np.int64) * self.points
+        made: h5py.Dataset = home.create_dataset(
+            name,
+            (rows, *shape),
+            dtype=np.float32 if home is self.data else np.float64,
+            chunks=(piece, *shape),
+            **_FILTER,
+        )
+        return made
+
+
+def _shown(fields: Fields) -> Fields:
+    """Return the arrays of a block by their names in ParaView, ``(states, points)`` or ``(states, points, 3)``."""
+    found = {"Points": fields["position"]}
+    if "frame" in fields:
+        found |= {f"d{k + 1}": fields["frame"][..., k] for k in range(3)}
+    found |= {
+        name: fields[name]
+        for name in (
+            *("displacement", "velocity", "angular_velocity"),
+            *("dissipation", "stress_33", "von_mises"),
+        )
+        if name in fields
+    }
+    if "strain" in fields:
+        found["strain_shear_stretch"] = fields["strain"][..., :3]
+        found["strain_bend_twist"] = fields["strain"][..., 3:]
+    if "section_force" in fields:
+        force, moment = fields["section_force"][..., :3], fields["section_force"][..., 3:]
+        for name, values in (("section_force", force), ("section_moment", moment)):
+            found[name] = values
+            found[f"{name}_global"] = np.einsum("tnij,tnj->tni", fields["frame"], values)
+    return found
 
 
 def _rod_points(result: Result) -> tuple[list[ResultPlace], Integers, Floats]:
@@ -151,77 +254,16 @@ def _states(
     result: Result,
     sites: list[ResultPlace],
     on_bodies: list[ResultPlace],
-    times: Floats | None,
+    levels: Floats,
     surfaces: Surfaces | None,
-) -> Iterator[tuple[float, dict[str, Floats], dict[str, Floats], dict[str, Floats]]]:
-    """Yield the level (time or load factor) of every state and the fields of rods, bodies and surfaces there."""
-    levels = _levels(result) if times is None else np.atleast_1d(np.asarray(times, dtype=float))
+) -> Iterator[tuple[int, Fields, Fields, Fields]]:
+    """Yield the number of the first of some states, and the fields of rods, bodies and surfaces there."""
     step = _BLOCK if isinstance(result, Run) else len(levels)
     for first in range(0, len(levels), step):
-        part = levels[first : first + step]
-        instants = instants_of(result, part) if isinstance(result, Run) else None
+        instants = instants_of(result, levels[first : first + step]) if isinstance(result, Run) else None
         rods = fields_at(result, sites, instants)
         bodies = fields_at(result, on_bodies, instants) if on_bodies else {}
-        around: dict[str, Floats] = {}
+        around: Fields = {}
         if surfaces is not None and surfaces.quads.size:
             around = surfaces.fields(rods["position"], rods["frame"], instants)
-        for k, level in enumerate(part.tolist()):
-            here = [{name: field[k] for name, field in of.items()} for of in (rods, bodies, around)]
-            yield level, here[0], here[1], here[2]
-
-
-def _lines(pv: Any, fields: dict[str, Floats], counts: Integers) -> pyvista.PolyData:
-    """Return polylines with all fields of rods."""
-    starts = np.concatenate([[0], np.cumsum(counts)[:-1]])
-    lines = np.concatenate(
-        [np.concatenate([[n], first + np.arange(n)]) for first, n in zip(starts, counts, strict=True)]
-    )
-    mesh: pyvista.PolyData = pv.PolyData(np.ascontiguousarray(fields["position"]), lines=lines)
-    numbers = np.repeat(np.arange(counts.size), counts)
-    mesh.point_data["rod"] = numbers
-    mesh.cell_data["rod"] = np.arange(counts.size)
-    _common(mesh, fields)
-    if "strain" in fields:
-        _vector(mesh, "strain_shear_stretch", fields["strain"][:, :3])
-        _vector(mesh, "strain_bend_twist", fields["strain"][:, 3:])
-    if "section_force" in fields:
-        force, moment = fields["section_force"][:, :3], fields["section_force"][:, 3:]
-        for name, values in (("section_force", force), ("section_moment", moment)):
-            _vector(mesh, name, values)
-            _vector(mesh, f"{name}_global", np.einsum("nij,nj->ni", fields["frame"], values))
-    if "dissipation" in fields:
-        mesh.point_data["dissipation"] = fields["dissipation"]
-    return mesh
-
-
-def _surface(pv: Any, fields: dict[str, Floats], surfaces: Surfaces) -> pyvista.PolyData:
-    """Return the surfaces of rods with stresses."""
-    faces = np.insert(surfaces.quads, 0, 4, axis=1).ravel()
-    mesh: pyvista.PolyData = pv.PolyData(np.ascontiguousarray(fields["position"]), faces=faces)
-    mesh.point_data["rod"] = surfaces.rod
-    for name in ("stress_33", "von_mises"):
-        mesh.point_data[name] = fields[name]
-    return mesh
-
-
-def _points(pv: Any, fields: dict[str, Floats]) -> pyvista.PolyData:
-    """Return points with all fields of bodies."""
-    mesh: pyvista.PolyData = pv.PolyData(np.ascontiguousarray(fields["position"]))
-    mesh.point_data["body"] = np.arange(len(fields["position"]))
-    _common(mesh, fields)
-    return mesh
-
-
-def _common(mesh: pyvista.PolyData, fields: dict[str, Floats]) -> None:
-    for k in range(3):
-        _vector(mesh, f"d{k + 1}", fields["frame"][:, :, k])
-    for name in ("displacement", "velocity", "angular_velocity"):
-        if name in fields:
-            _vector(mesh, name, fields[name])
-
-
-def _vector(mesh: pyvista.PolyData, name: str, values: Floats) -> None:
-    mesh.point_data[name] = np.ascontiguousarray(values)
-    array = mesh.GetPointData().GetArray(name)
-    for k, word in enumerate(_COMPONENTS.get(name, tuple("XYZ"))):
-        array.SetComponentName(k, word)
+        yield first, rods, bodies, around
