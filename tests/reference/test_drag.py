@@ -7,6 +7,7 @@ import pytest
 import scipy.linalg
 
 import viscorod as vr
+from helpers.plain_text import flat
 
 LENGTH, DIAMETER, DENSITY, G = 0.3, 0.006, 1000.0, 9.81
 MASS = DENSITY * np.pi / 4 * DIAMETER**2
@@ -61,7 +62,7 @@ def test_noodle_falls_to_its_terminal_speed(way):
     assert energy.outside == pytest.approx(loss, abs=3.0 * part * loss[-1])
     assert energy.external == pytest.approx(LENGTH * MASS * G * depth, abs=3.0 * part * loss[-1])
     assert energy.numerical_fraction < 3.0 * part
-    assert "lost to drag" in str(energy)
+    assert "lost to drag" in flat(str(energy))
 
 
 def test_noodle_in_a_thick_fluid_loses_what_its_drag_takes():
@@ -138,7 +139,7 @@ def test_decay_in_a_medium():
     assert energy.outside[-1] == pytest.approx(energy.total[0] - energy.total[-1], rel=2e-3)
     assert np.all(np.diff(energy.outside) >= 0.0)
     assert not energy.viscous.any()
-    assert "drag takes 100 % of what is lost" in run.report()
+    assert "drag takes 100 % of what is lost" in flat(run.report())
 
 
 def spectral_beck(load, count=40):

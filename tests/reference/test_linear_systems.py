@@ -9,6 +9,7 @@ import scipy.linalg
 import scipy.signal
 
 import viscorod as vr
+from helpers.plain_text import flat
 
 YOUNG, NU, DENSITY = 70e9, 0.33, 2700.0
 KELVIN_VOIGT = vr.KelvinVoigt(2e-5, 2e-5)
@@ -162,8 +163,8 @@ def test_a_free_body_is_reduced_beside_its_rigid_motions():
     for modes in (8, 12, 20):
         found = system.reduced("modal", modes, band=(low, 4.0 * low))
         assert found.poles[0].imag > 2.0 * np.pi * low
-        assert "create energy" not in found.report()
-        assert "have no potential" not in found.report()
+        assert "create energy" not in flat(found.report())
+        assert "have no potential" not in flat(found.report())
         errors.append(found.error)
     assert errors[0] < 1e-4
     assert errors[2] < errors[1] < errors[0]

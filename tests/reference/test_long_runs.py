@@ -21,6 +21,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.analyses.case_run import as_model
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli import run_commands
@@ -299,7 +300,7 @@ def test_crossings_are_found_between_steps():
     assert run.data.position[-1, 0, 2] == pytest.approx(-2.0, abs=1e-9)
     assert "z of rod.start" in run.data.attrs["ended_by"]
     assert run.outcome == "completed"
-    assert "ended the run" in run.report()
+    assert "ended the run" in flat(run.report())
 
 
 def test_a_decayed_motion_ends_the_run():

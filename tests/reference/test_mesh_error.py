@@ -9,6 +9,7 @@ import pytest
 from scipy.integrate import solve_ivp
 
 import viscorod as vr
+from helpers.plain_text import flat
 from helpers.timoshenko_beam import cantilever_frequencies
 from viscorod.results.result_warnings import warnings_of
 
@@ -396,5 +397,5 @@ def test_a_coarse_mesh_is_warned_of():
     assert 0.002 < error < 0.02
     assert any("most in rod 'cable', whose mesh is coarse" in text for text in warnings_of(coarse))
     assert 0.3 * error < coarse.mesh_errors["cable"] < 10.0 * error
-    assert "Mesh: 'cable' 2 elements of order 5; estimated errors: positions by" in coarse.report()
+    assert "Mesh: 'cable' 2 elements of order 5; estimated errors: positions by" in flat(coarse.report())
     assert not warnings_of(fine)

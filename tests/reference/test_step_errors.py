@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.result_warnings import warnings_of
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, GeneralizedAlpha
@@ -292,7 +293,7 @@ def test_large_errors_are_told():
     told = [text for text in run.warnings if "of the motion" in text]
     assert len(told) == 1
     assert told[0] in run.report()
-    assert "Steps: estimated errors: positions by" in run.report()
+    assert "Steps: estimated errors: positions by" in flat(run.report())
 
 
 def test_small_errors_are_not_told():

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.identification.laws import law_sentences
 from viscorod.casefile.case import case_from_dict
@@ -286,7 +287,7 @@ def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
     (sentence,) = [text for text in fit.sentences if text.startswith("Excluded")]
     assert excluded in sentence
     assert best not in sentence
-    assert "Laws on the same data" in fit.report()
+    assert "Laws on the same data" in flat(fit.report())
 
 
 def test_what_is_not_the_materials_is_said():

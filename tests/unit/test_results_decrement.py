@@ -5,6 +5,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from helpers.plain_text import flat
 from helpers.synthetic_results import oscillator
 from viscorod import InputError
 from viscorod.results.decrement import Decrement, decrement
@@ -62,7 +63,7 @@ def test_cycles_on_no_line_are_taken_as_one(value, count):
     result = Decrement("beam.end", "y", 0.0, np.arange(float(len(value))), np.array(value))
     delta = np.log(value[-1 - count] / value[-1]) / count
     assert result.small_amplitude_ratio == pytest.approx(delta / np.hypot(2 * np.pi, delta))
-    assert f"last {count} cycle" in str(result)
+    assert f"last {count} cycle" in flat(str(result))
 
 
 def test_higher_modes_at_the_start_are_no_dependence_on_the_amplitude():
@@ -114,7 +115,7 @@ def test_rest_that_creeps_is_followed(zeta, creep, slow):
         left += (exact / slow) ** 2 / (found.amplitude * 3.6**2)
         assert np.all(np.abs(found.rest - exact) < left)
         assert found.rest_at(found.time) == pytest.approx(found.rest)
-    assert "about a rest that creeps from" in str(found)
+    assert "about a rest that creeps from" in flat(str(found))
 
 
 @pytest.mark.parametrize("duration", [3.55, 4.45, 5.55])
@@ -211,7 +212,18 @@ def test_text_has_a_line_for_every_cycle():
     lines = str(result).splitlines()
     assert lines[0] == "Decay of beam.end along y"
     assert len(lines) == 3 + result.time.size
-    assert lines[2].split()[-1] == "0.050000"
+    assert lines[2].split()[-1] == "0.05"
+
+
+def test_a_motion_of_nanometres_and_microseconds_has_digits():
+    time, value, rate = record(0.05)
+    large = decrement(time, value, rate, place="a", axis="x")
+    small = decrement(1e-6 * time, 1e-9 * value, 1e-3 * rate, place="a", axis="x")
+    rows, shrunk = (str(found).splitlines() for found in (large, small))
+    assert shrunk[1].split() == [
+        word.replace("[s]", "[µs]").replace("[m]", "[nm]") for word in rows[1].split()
+    ]
+    assert shrunk[2:] == rows[2:]
 
 
 @pytest.mark.parametrize(
@@ -239,5 +251,5 @@ def test_ratios_that_jump_are_taken_as_one():
     found = Decrement("", "", 0.0, np.arange(5.0), np.array([1.0, 0.6, 0.55, 0.3, 0.29]))
     assert found.scattered
     assert found.envelope[1] == pytest.approx(0.33, rel=0.1)
-    assert "all cycles taken as one" in str(found)
+    assert "all cycles taken as one" in flat(str(found))
     assert not decrement(*record(0.05)).scattered

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.plain_text import flat
 from helpers.synthetic_results import rolled_up, swing
 from viscorod.results.reports.report_parts import load_level
 from viscorod.results.result_warnings import warnings_of
@@ -43,11 +44,13 @@ def test_report_of_steps_that_follow_the_error():
             smallest_step=0.003, smallest_step_at=1.25, smallest_step_why="the error of rotation along d3 at rod 'a'",
         )
     ).report()  # fmt: skip
-    assert "10 s simulated in 50 steps that follow the error, tolerance 0.0001, radau\n" in report
+    assert "10 s simulated in 50 steps that follow the error, tolerance 0.0001, radau\n" in flat(report)
     report = " ".join(report.split())
-    assert "50 steps, 2 rejected steps, 1500 iterations, 603 evaluations of the forces, 1 Jacobian," in report
+    assert "50 steps, 2 rejected steps, 1500 iterations, 603 evaluations of the forces, 1 Jacobian," in flat(
+        report
+    )
     why = "limited by the error of rotation along d3 at rod 'a'"
-    assert f"Smallest step: 3 ms at t = 1.25 s, {why}" in report
+    assert f"Smallest step: 3 ms at t = 1.25 s, {why}" in flat(report)
     assert report.endswith("No warnings")
 
 
@@ -66,12 +69,12 @@ def test_report_of_a_single_state():
 def test_report_of_driven_cycles_does_not_blame_the_material():
     data = swing()
     data["external"] = data["external"] + 1e-3 * data["time"]
-    assert "loads or supports do work meanwhile" in Run(data).report()
+    assert "loads or supports do work meanwhile" in flat(Run(data).report())
 
 
 def test_stopped_run_says_so():
     data = swing().assign_attrs(outcome="diverged", message="Newton's method failed at 3 s")
-    assert "stopped early (diverged): Newton's method failed at 3 s" in Run(data).report()
+    assert "stopped early (diverged): Newton's method failed at 3 s" in flat(Run(data).report())
 
 
 def test_equilibrium_report():
@@ -145,7 +148,7 @@ def test_what_the_steps_lost_is_told_everywhere(tmp_path):
             run = model.simulate(0.2, initial="reference", tolerance=1e-2, folder=folder)
         assert {record.filename for record in caught} == {__file__}
         assert [text in warning for warning in run.warnings].count(True) == 1
-        assert text in run.report()
+        assert text in flat(run.report())
         assert any(text in told for told in json.loads(run.data.attrs["warnings"]))
     assert any(text in told for told in vr.load(tmp_path / "run.nc").warnings)
 

@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 import viscorod.analyses.sweep
+from helpers.plain_text import flat
 from helpers.quantities import ends_its_process_once, tip_at_end
 from helpers.strip import content
 from viscorod.analyses.case_run import run_case
@@ -156,7 +157,7 @@ def test_a_number_that_cannot_be_had_is_missing_and_says_why(swing):
         "nan: nan is not one finite",
     ):
         assert words in row["message"]
-        assert words in sweep.report()
+        assert words in flat(sweep.report())
 
 
 def test_errors_of_some_members(swing):

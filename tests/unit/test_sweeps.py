@@ -12,6 +12,7 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 import viscorod.analyses.sweep
+from helpers.plain_text import flat
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
@@ -103,7 +104,7 @@ def test_members_are_exactly_the_single_runs(case, workers):
     assert sweep.data[SHEAR].values.tolist() == times
     assert sweep.data["loads[0].value"].values.tolist() == [str(force) for force in forces]
     assert sweep.data["time"].values == pytest.approx(0.001 * np.arange(201), abs=1e-15)
-    assert "output_interval = 0.001 s" in sweep.report()
+    assert "output_interval = 0.001 s" in flat(sweep.report())
 
 
 def test_one_value_inside_a_list_and_rows_instead_of_columns(case):
@@ -131,7 +132,7 @@ def test_times_are_common_whatever_the_steps(case):
 def test_different_meshes_are_kept_apart(case, tmp_path):
     sweep = vr.sweep(case, {"rods.beam.elements": [1, 2]}, workers=1)
     assert sweep.separate == "their numbers of stations differ (4 and 7)"
-    assert "kept apart" in sweep.report()
+    assert "kept apart" in flat(sweep.report())
     assert "position" not in sweep.data
     assert sweep.data["steps"].dims == ("member",)
     again = vr.load(sweep.save(tmp_path / "sweep.nc"))
@@ -175,7 +176,7 @@ def test_a_failing_member_leaves_the_others_alone(case, monkeypatch, tmp_path):
         "member 1: it broke at 0.1 s",
         "member 3: ZeroDivisionError: a defect",
     ):
-        assert words in fresh.report()
+        assert words in flat(fresh.report())
     for member, other in zip(fresh.members, sweep.members, strict=True):
         assert (other.result is None) == (member.result is None)
         if member.result is not None:
@@ -303,7 +304,7 @@ def test_modes_and_responses_are_swept(kind, tmp_path):
     last = swept.members[1].result
     quantity = {"modes": "eigenvalues", "response": "values"}[kind]
     np.testing.assert_array_equal(getattr(last, quantity), getattr(alone, quantity))
-    assert "first frequency [Hz]" in swept.report()
+    assert "first frequency [Hz]" in flat(swept.report())
     # a beam of 0.2 m instead of 0.3 m: (3/2)^2 (closed form of Euler and Bernoulli; shear takes a little)
     first = swept.data["first_frequency"].values
     assert first[0] / first[1] == pytest.approx(2.25, rel=5e-3)

@@ -6,8 +6,10 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.errors import InputError
 from viscorod.model.sections.composite import Composite, CompositeRegion
+from viscorod.results.text_numbers import quantity
 
 SHIFT = vr.WLF(c1=8.86, c2=101.6, reference=20.0)
 LAWS = {
@@ -181,7 +183,7 @@ def test_heating_of_a_uniformly_strained_bar():
     assert found.largest == pytest.approx(2.0 * expected, rel=5e-3)
     assert found.mean == pytest.approx(found.largest, rel=5e-3)
     assert found.cycle == pytest.approx(1.0, rel=1e-3)
-    assert f"{found.largest:.3g} K over the run" in run.report()
+    assert f"{quantity(found.largest, 'K', 3)} over the run" in flat(run.report())
 
 
 def test_nothing_is_said_without_a_specific_heat():

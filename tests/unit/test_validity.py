@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 
@@ -40,7 +41,7 @@ def test_an_arc_in_numbers():
     assert rate.value == pytest.approx(max(strain.product for strain in run.damping_validity().strains))
     assert [curved.kept, twisted.kept, found.valid] == [False, True, False]
     report = run.report()
-    assert "Validity of the rod model" in report
+    assert "Validity of the rod model" in flat(report)
     line, where = (line.split() for line in report.splitlines() if "|J0 - 1|" in line)
     assert line[-5:] == ["0.15", "0.1", "NO", "LLT", "2.2"]
     assert where[-1] == f"arc@{curved.where.partition('@')[2]}"
@@ -60,7 +61,7 @@ def test_what_is_not_known_is_said():
     C, _, M = vr.Circle(0.005).matrices(RUBBER)
     plain = arc(vr.StiffnessSection(C, M), None).equilibrium().validity()
     assert [math.isnan(value) for value in numbers(plain)] == [True, True, True, False, True]
-    assert "sections without a known shape" in str(plain)
+    assert "sections without a known shape" in flat(str(plain))
     assert plain.valid
     elastic = arc(vr.Circle(0.005), vr.Material(1e6, 0.3, 1000.0)).simulate(0.02).validity()
     assert elastic.conditions[-1].where == "no Kelvin-Voigt damping"

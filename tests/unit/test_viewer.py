@@ -426,3 +426,41 @@ def test_command_writes_beside_the_result(tmp_path):
 def test_public_name_writes_a_page(tmp_path):
     path = viscorod.view(Run(synthetic_results.swing(duration=0.4)), tmp_path / "new" / "page.html")
     assert path.read_text(encoding="utf-8").startswith("<!DOCTYPE html>")
+
+
+def test_others_beside_a_motion_have_their_values_at_its_times(tmp_path):
+    """Another motion and a measured record: values of both at the times of the charts, nothing where they have none."""
+    run, other = (Run(synthetic_results.swing(zeta, duration=2.0)) for zeta in (0.05, 0.2))
+    times = np.linspace(0.5, 1.5, 201)
+    record = vr.Record(
+        times, np.sin(times), place="beam.end", quantity="displacement", direction="y", name="laser"
+    )
+    text = vr.view(run, tmp_path / "page.html", beside=[other, record]).read_text(encoding="utf-8")
+    meta, data = viewer_pages.parts(text)
+    group = meta["histories"][0]
+    assert group["label"] == "displacement of beam.end"
+    names = [told["name"] for told in group["others"]]
+    assert names == [*(f"{axis}, A swing in closed form (2)" for axis in "xyz"), "y, laser"]
+    curves, _ = viewer_pages.array(meta, data, group["array"])
+    time, _ = viewer_pages.array(meta, data, "samples")
+    assert curves[4] == pytest.approx(other.history("beam.end", "displacement").values[:, 1], abs=1e-7)
+    inside = (time > 0.501) & (time < 1.499)
+    assert curves[6][inside] == pytest.approx(np.sin(time[inside]), abs=1e-4)
+    assert np.isnan(curves[6][time < 0.499]).all()
+    ghost, half = viewer_pages.array(meta, data, "ghost0")
+    instants, _ = viewer_pages.array(meta, data, "instants")
+    for k in (0, len(instants) // 2):
+        assert np.abs(ghost[k] - other.positions_at(float(instants[k]))).max() < half.max() + 1e-7
+    with pytest.raises(vr.InputError, match="only motions over time"):
+        vr.view(Equilibrium(synthetic_results.rolled_up()), tmp_path / "page.html", beside=[other])
+
+
+def test_round_off_is_not_shown_as_data(page):
+    data = synthetic_results.swing(duration=1.0)
+    data["position"][..., 2] += 1e-17 * np.sin(np.arange(data.sizes["station"]))
+    data["strain"][..., 5] += 1e-16
+    meta, inflated, _ = page(Run(data))
+    curves, _ = viewer_pages.array(meta, inflated, meta["histories"][0]["array"])
+    assert not curves[2].any()
+    twist, _ = viewer_pages.array(meta, inflated, "field_strain5")
+    assert not twist.any()

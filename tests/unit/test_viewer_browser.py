@@ -28,8 +28,8 @@ def chrome(tmp_path_factory):
 
 @pytest.fixture
 def shown(chrome, tmp_path):
-    def show(result, **options):
-        path = view(result, tmp_path / "page.html")
+    def show(result, beside=(), **options):
+        path = view(result, tmp_path / "page.html", beside=beside)
         chrome.errors.clear()
         chrome.requests.clear()
         chrome.open(path.as_uri(), **options)
@@ -81,7 +81,9 @@ def test_page_loads_without_errors_and_asks_for_nothing_but_itself(shown, tmp_pa
     ]
     assert page.run("document.getElementById('title').textContent") == "A swing in closed form"
     assert page.run("document.getElementById('failure').hidden")
-    assert page.run("document.querySelectorAll('.uplot').length") == 3  # history, energy, damping
+    assert (
+        page.run("document.querySelectorAll('.uplot').length") == 4
+    )  # history, along the rod, energy, damping
     names = page.run(
         "[...document.querySelectorAll('#labels span')].filter(s => !s.hidden).map(s => s.textContent)"
     )
@@ -345,4 +347,61 @@ def test_modes_swing_beside_their_table(shown, tmp_path):
     assert page.run(NOW) == "phase 180\u00b0"
     assert changed(before, space(page, tmp_path / "after.png")) > 200
     assert page.run("window.hit") is None
+    assert page.errors == []
+
+
+def test_a_dark_page_has_a_dark_view_and_light_axes(shown, tmp_path):
+    page = shown(moving())
+    light = space(page, tmp_path / "light.png")
+    page.key("d", "KeyD", "d")
+    assert page.run("document.documentElement.hasAttribute('data-dark')")
+    dark = space(page, tmp_path / "dark.png")
+    assert np.median(light) > 0.9
+    assert np.median(dark) < 0.2
+    assert page.run("document.getElementById('dark').getAttribute('aria-pressed')") == "true"
+    assert page.errors == []
+
+
+def test_the_field_along_the_rod_is_that_of_the_present_time(shown):
+    """Against the values of the result itself, at the nearest frame."""
+    run = moving()
+    page = shown(run)
+    page.choose("field", "strain3")
+    series = "document.querySelector('#along-chart .uplot') !== null"
+    assert page.run(series)
+    page.run("document.documentElement.dataset.test = ''")
+    scrub(page, 1.74)
+    title = page.run("document.getElementById('along-title').textContent")
+    assert title == "Bend 1 along beam now"
+    page.choose("field", "")
+    assert page.run("document.getElementById('along').hidden")
+    assert page.errors == []
+
+
+def test_the_view_is_saved_as_a_picture(shown):
+    """What the reader is given is a PNG as large as the view, and more than paper."""
+    page = shown(moving())
+    size, kind, link = page.run(
+        "(async () => { const told = []; const own = URL.createObjectURL;"
+        " URL.createObjectURL = (blob) => { told.push(blob.size, blob.type); return own(blob); };"
+        " const click = HTMLAnchorElement.prototype.click;"
+        " HTMLAnchorElement.prototype.click = function () { told.push(this.download); };"
+        " document.getElementById('save').click();"
+        " while (told.length < 3) await new Promise((done) => setTimeout(done, 20));"
+        " URL.createObjectURL = own; HTMLAnchorElement.prototype.click = click; return told; })()"
+    )
+    assert (kind, link) == ("image/png", "viscorod.png")
+    assert size > 5000
+    assert page.errors == []
+
+
+def test_another_motion_is_drawn_beside_it(shown, tmp_path):
+    run, other = moving(), Run(synthetic_results.swing(zeta=0.2, duration=4.0))
+    page = shown(run)
+    alone = space(page, tmp_path / "alone.png")
+    page = shown(run, beside=[other])
+    both = space(page, tmp_path / "both.png")
+    assert changed(alone, both) > 50
+    legend = page.run("document.querySelector('#history-chart .u-legend').textContent")
+    assert "y, A swing in closed form (2)" in legend
     assert page.errors == []

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.files import motion
 from viscorod.cli.options import output_option
 from viscorod.cli.terminal import readable_errors, written
 
@@ -25,6 +26,15 @@ def view(
             "--frames", min=2, metavar="N", help="Frames at most [default: 1500]", show_default=False
         ),
     ] = None,
+    beside: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--beside",
+            metavar="OTHER.nc",
+            help="Another motion that is shown beside it, such as one before a change; may be repeated.",
+            show_default=False,
+        ),
+    ] = None,
     open_: Annotated[bool, typer.Option("--open", help="Show it in the browser.")] = False,
 ) -> None:
     """Make one HTML file that plays a motion in 3D beside its histories, energy account and damping ratios.
@@ -37,7 +47,9 @@ def view(
         from viscorod.pictures.viewer.writing import FRAMES
         from viscorod.results.files.storage import load
 
-        page = write(load(result), output or result.with_suffix(".html"), frames=frames or FRAMES)
+        others = [motion(path, "--beside") for path in beside or []]
+        target = output or result.with_suffix(".html")
+        page = write(load(result), target, frames=frames or FRAMES, beside=others)
         written([page], f" ({page.stat().st_size / 1e6:.1f} MB)", first=True)
         if open_:
             import webbrowser

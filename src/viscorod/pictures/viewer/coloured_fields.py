@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 __all__ = ["FieldPoints", "fields_of", "points_of", "speed_of"]
 
 _STRAIN = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
+_ROUND_OFF = 1e-9
 MOST_STRESSES = 200_000
 """Gauss points times frames up to which a page shows stresses, which take a second or two then."""
 _FORCE = ("shear force 1", "shear force 2", "axial force", "moment 1", "moment 2", "torque")
@@ -88,11 +89,11 @@ def fields_of(result: Result, frames: Frames, points: FieldPoints) -> list[tuple
 
     data = result.data
     if "strain" in data:
-        strain = frames.linear("strain")
+        strain = _without_round_off(frames.linear("strain"))
         for k, title in enumerate(_STRAIN):
             add(f"strain{k}", title, "1" if k < 3 else "1/m", strain[..., k], prefix=False)
     if "section_force" in data:
-        force = frames.linear("section_force")
+        force = _without_round_off(frames.linear("section_force"))
         for k, title in enumerate(_FORCE):
             add(f"force{k}", title, "N" if k < 3 else "N m", force[..., k])
     if "section_force" in data and data.sizes["point"] * frames.count <= MOST_STRESSES:
@@ -103,6 +104,14 @@ def fields_of(result: Result, frames: Frames, points: FieldPoints) -> list[tuple
     if "dissipation" in data:
         add("dissipation", "dissipation density", "W/m", frames.linear("dissipation"))
     return found
+
+
+def _without_round_off(values: Floats) -> Floats:
+    """Return strains or forces ``(n, points, 6)``; components that stay far below the others of their unit are zero."""
+    largest = np.abs(values).max(axis=(0, 1), initial=0.0)
+    size = np.repeat([largest[:3].max(), largest[3:].max()], 3)
+    shown: Floats = np.where(largest < _ROUND_OFF * size, 0.0, values)
+    return shown
 
 
 def speed_of(result: Result, frames: Frames, lines: list[Line]) -> Floats | None:

@@ -13,6 +13,7 @@ from viscorod.results.run import Run
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
+    from viscorod.pictures.viewer.beside import Beside
     from viscorod.pictures.viewer.packing import Pack
     from viscorod.results.result import Result
     from viscorod.results.result_places import ResultPlace
@@ -23,6 +24,7 @@ MOST_SAMPLES = 4000
 """Stored states in the charts at most; of more, see :func:`samples_of`."""
 MOST_PLACES = 12
 MOST_GROUPS = 24
+_ROUND_OFF = 1e-9  # what is below this part of the largest of its kind is not shown
 _STILL = 1e-9  # a place that moves by less than this part of the largest displacement is held
 _PER_BUCKET = 5  # first, extremes of the main motion, extremes of the kinetic (or elastic) energy
 
@@ -62,34 +64,56 @@ def places_of(result: Result) -> list[ResultPlace]:
     return moving[:MOST_PLACES]
 
 
-def histories_of(result: Result, samples: Integers, pack: Pack) -> list[dict[str, Any]]:
+def without_round_off(values: Floats, size: float) -> Floats:
+    """Return columns ``(n, k)`` of which those that stay below what round-off of ``size`` makes are zero."""
+    nothing = np.nan_to_num(np.abs(values)).max(axis=0, initial=0.0) < _ROUND_OFF * size
+    shown: Floats = np.where(nothing & ~np.isnan(values), 0.0, values)
+    return shown
+
+
+def histories_of(result: Result, samples: Integers, pack: Pack, beside: Beside) -> list[dict[str, Any]]:
     """Return the groups of curves that can be chosen, and put their numbers into the page.
 
-    Each group has a label, a unit, names of its curves and the name of its array ``(curves, samples)``.
+    Each group has a label, a unit, names of its curves, those of other results beside them, and the name of its array
+    ``(curves, samples)``.
     """
     groups: list[dict[str, Any]] = []
 
-    def add(label: str, unit: str, curves: list[str], values: Floats, place: str = "") -> None:
+    def add(
+        label: str, unit: str, curves: list[str], values: Floats, place: str = "", size: float = 0.0
+    ) -> None:
         if len(groups) >= MOST_GROUPS:
             return
-        factor, word = scaled(unit, values)
+        values = without_round_off(values, size)
+        others = beside.curves(label, place, curves) if place else []
+        if others:
+            curves_of_others = np.stack([curve for _, curve in others], axis=1)
+            values = np.concatenate([values, without_round_off(curves_of_others, size)], axis=1)
+        factor, word = scaled(unit, values[:, : len(curves)])
         name = f"history{len(groups)}"
         pack.plain(name, factor * values.T)
         groups.append({"label": label, "unit": word, "curves": curves, "array": name, "place": place})
+        groups[-1]["others"] = [told for told, _ in others]
 
     quantities: list[Any] = ["displacement"]
     quantities += ["velocity"] if "velocity" in result.data and result.dimension == "time" else []
     for quantity in quantities:
         unit = "m/s" if quantity == "velocity" else "m"
-        for site in places_of(result):
-            values = result.vector(site, quantity)[samples]
-            add(f"{quantity} of {site.label}", unit, list(AXES), values, site.label)
+        known = [(site, result.vector(site, quantity)[samples]) for site in places_of(result)]
+        size = max(float(np.abs(values).max()) for _, values in known)
+        for site, values in known:
+            add(f"{quantity} of {site.label}", unit, list(AXES), values, site.label, size)
     data = result.data
     if "reaction" in data:
         reactions = np.asarray(data["reaction"].values, dtype=float)[samples]
+        force, moment = (
+            float(np.abs(part).max(initial=0.0)) for part in (reactions[..., :3], reactions[..., 3:])
+        )
+        length = float(np.abs(result.field("position", states=-1)).max()) or 1.0
+        force, moment = max(force, moment / length), max(moment, force * length)
         for k, name in enumerate(np.asarray(data["support"].values, dtype=str).tolist()):
-            add(f"force of support {name}", "N", list(AXES), reactions[:, k, :3])
-            add(f"moment of support {name}", "N m", list(AXES), reactions[:, k, 3:])
+            add(f"force of support {name}", "N", list(AXES), reactions[:, k, :3], size=force)
+            add(f"moment of support {name}", "N m", list(AXES), reactions[:, k, 3:], size=moment)
     if "joint" in data.coords:
         held = np.asarray(data["joint_held"].values, dtype=bool)
         words = np.asarray(data["joint_motion"].values, dtype=str)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,6 +13,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.style import scaled
+from viscorod.pictures.viewer.beside import Beside
 from viscorod.pictures.viewer.camera import first_look
 from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
 from viscorod.pictures.viewer.colours import colour_tables
@@ -39,6 +41,7 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
+    from viscorod.records.motion_record import Record
     from viscorod.results.any_result import AnyResult
     from viscorod.results.sweep_result import Sweep
 
@@ -59,6 +62,7 @@ def view(
     *,
     frames: int = FRAMES,
     megabytes: float = MEGABYTES,
+    beside: Sequence[Run | Record] = (),
 ) -> Path:
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
@@ -74,6 +78,8 @@ def view(
         frames: states in the page at most, 2 or more; more stored ones are shown at even times, of fewer
             positions in between follow from velocities. Of curves: places along them at most.
         megabytes: size of the file at most; if it would be larger, there are fewer frames.
+        beside: of a motion: other motions, whose rods and histories are shown beside its own, as before and after a
+            change; and records of measured displacements or velocities along x, y or z.
 
     Returns:
         The path.
@@ -89,6 +95,8 @@ def view(
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
         raise InputError(f"megabytes = {megabytes!r}: the scripts alone take 0.7; give a number above 1")
+    if beside and not isinstance(result, Run):
+        raise InputError("beside: only motions over time have others beside them; give a run")
     text, limit, film = "", frames, None
     if isinstance(result, Modes | Steady | Buckling):
         film = film_of(result)
@@ -97,10 +105,10 @@ def view(
         if isinstance(result, StatelessResult):
             text = curves_of(result, limit)
         elif film is not None:
-            text = _text(film.states, limit, film)
+            text = _text(film.states, limit, film, ())
         else:
             assert isinstance(result, Run | Equilibrium)
-            text = _text(result, limit, None)
+            text = _text(result, limit, None, beside)
         size = len(text.encode("utf-8")) / 1e6
         if size <= megabytes or limit <= _FEWEST or film is not None:
             break
@@ -123,7 +131,7 @@ def described(result: Result) -> ModelDescription | None:
         return None  # functions of Python are in no file, and other versions have other words
 
 
-def _text(result: Run | Equilibrium, limit: int, film: Film | None) -> str:
+def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Sequence[Run | Record]) -> str:
     modes = [] if film is None else film.told
     model = described(result)
     frames, pack = Frames.of(result, limit), Pack()
@@ -148,6 +156,7 @@ def _text(result: Run | Equilibrium, limit: int, film: Film | None) -> str:
     pack.quantised("turns", marks.turns)
     fields = _pack_fields(result, frames, lines, pack)
     samples = samples_of(result)
+    beside = Beside(result, samples, others)
     known = np.asarray(result.data[result.dimension].values, dtype=float)
     pack.plain("samples", known[samples])
     pack.whole("sample_numbers", samples)
@@ -178,7 +187,9 @@ def _text(result: Run | Equilibrium, limit: int, film: Film | None) -> str:
             np.zeros(3) if model is None else gravity(model),
             tips_of(scene["loads"], marks),
         ),
-        "histories": histories_of(result, samples, pack),
+        "histories": histories_of(result, samples, pack, beside),
+        "ghosts": beside.ghosts(frames, pack),
+        "length": scaled("m", [line.s[-1] for line in lines]),
         "main": AXES.index(result.main_motion[1]),
         "energy": energy_of(result, samples, pack),
         "decay": decay_of(result),

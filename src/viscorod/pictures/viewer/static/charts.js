@@ -5,21 +5,24 @@ viscorod.Chart = class {
   constructor(place, options, data, goTo) {
     this.place = place;
     this.height = options.height;
-    const axis = { stroke: "#222", grid: { stroke: "#e4e4e4", width: 1 }, ticks: { stroke: "#8a8a8a", width: 1 }, font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
+    const ink = () => viscorod.style("--ink");
+    const thin = (name) => ({ stroke: () => viscorod.style(name), width: 1 });
+    const axis = { stroke: ink, grid: thin("--faint"), ticks: thin("--edge"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
     const values = (_, splits) => splits.map((value) => (value === null ? "" : viscorod.text(Number(value.toPrecision(8)), 6)));
     this.plot = new uPlot(
       {
         width: Math.max(place.clientWidth, 200),
         height: options.height,
+        pxAlign: 0, // lines where they are, not on whole pixels
         scales: { x: { time: false, range: options.xRange }, y: options.yRange ? { range: options.yRange } : {} },
         axes: [
-          { ...axis, label: options.xLabel, labelSize: 18, size: 34, values },
-          { ...axis, label: options.yLabel, labelSize: 18, size: 58, values },
+          { ...axis, label: options.xLabel, labelSize: 18, size: 34, space: 55, values },
+          { ...axis, label: options.yLabel, labelSize: 18, size: 58, space: 22, values },
         ],
         series: [{ label: options.xLabel, value: (_, v) => (v === null ? "" : viscorod.text(v)) }, ...options.series],
         bands: options.bands,
         cursor: { drag: { x: false, y: false }, y: false, points: { show: false } },
-        legend: { live: true },
+        legend: { live: true, show: !options.still },
         hooks: { ready: [() => { this.told = 0; this.point(this.x); }] }, // the chart empties its legend as it starts
       },
       data,
@@ -27,8 +30,9 @@ viscorod.Chart = class {
     );
     this.needle = document.createElement("div");
     this.needle.className = "needle";
-    Object.assign(this.needle.style, { position: "absolute", top: "0", bottom: "0", width: "2px", background: "#d55e00", pointerEvents: "none", left: "-1px" });
-    this.plot.over.append(this.needle);
+    Object.assign(this.needle.style, { position: "absolute", top: "0", bottom: "0", width: "2px", background: "var(--needle)", pointerEvents: "none", left: "-1px" });
+    if (options.still) this.point = () => {}; // nothing along it is now
+    else this.plot.over.append(this.needle);
     let held = false;
     const go = (event) => goTo(this.plot.posToVal(event.clientX - this.plot.over.getBoundingClientRect().left, "x"));
     this.plot.over.addEventListener("pointerdown", (event) => { held = true; go(event); });
@@ -43,7 +47,7 @@ viscorod.Chart = class {
 
   /* Move the line, and the numbers under the chart unless the pointer reads them. */
   point(x) {
-    if (x === undefined) return;
+    if (x === undefined || this.place.hidden) return;
     this.x = x;
     this.needle.style.transform = `translateX(${this.plot.valToPos(x, "x")}px)`;
     const now = performance.now();
@@ -58,6 +62,7 @@ viscorod.Chart = class {
   }
 };
 
+viscorod.DASHES = [[7, 4], [2, 3], [9, 3, 2, 3]];
 viscorod.PALETTE = ["#0072b2", "#d55e00", "#009e73"];
 
 viscorod.historyChart = function (place, group, x, array, common, main) {
@@ -65,7 +70,25 @@ viscorod.historyChart = function (place, group, x, array, common, main) {
   const curves = group.curves.map((_, k) => array.values.subarray(k * count, (k + 1) * count));
   const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
   const series = group.curves.map((name, k) => ({ label: name, stroke: viscorod.PALETTE[k % 3], width: group.curves.length > 1 && group.place && k !== main ? 1.2 : 2, value, points: { show: count < 3 } }));
-  return new viscorod.Chart(place, { ...common, height: 190, yLabel: group.unit, series }, [x, ...curves], common.goTo);
+  // those of other results, dashed; gaps where they have nothing
+  for (const [k, other] of (group.others || []).entries()) {
+    const own = array.values.subarray((group.curves.length + k) * count, (group.curves.length + k + 1) * count);
+    curves.push(Array.from(own, (v) => (Number.isNaN(v) ? null : v)));
+    series.push({ label: other.name, stroke: viscorod.PALETTE[other.curve % 3], width: 1.6, dash: viscorod.DASHES[other.result % 3], value, points: { show: false } });
+  }
+  return new viscorod.Chart(place, { ...common, height: 250, yLabel: group.unit, series }, [x, ...curves], common.goTo);
+};
+
+/* A field along one rod at the present instant, in the range of all instants. */
+viscorod.alongChart = function (place, field, s, range, sLabel, rod) {
+  const [low, high] = range;
+  const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
+  const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
+  const unit = field.unit === "1" ? "" : ` [${field.unit}]`;
+  const series = [{ label: `${field.title}${unit}`, stroke: "#0072b2", width: 2, value, points: { show: s.length < 3 } }];
+  const options = { height: 200, xLabel: `arc length of ${rod} [${sLabel}]`, yLabel: field.unit === "1" ? "" : field.unit, series };
+  const chart = new viscorod.Chart(place, { ...options, xRange: () => [s[0], s[s.length - 1]], yRange: () => [low - margin, high + margin], still: true }, [s, s.map(() => 0)], () => {});
+  return chart;
 };
 
 /* Where the energy is, stacked; a line shows what was there and came in. The gap between them is numerical. */
@@ -82,12 +105,12 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   const series = order.map((k) => ({ label: energy.stacked[k], stroke: fills[k], fill: fills[k], width: 0.5, value: own(rows[k]), points: { show: count < 3 } }));
   const data = [x, ...order.map((k) => sums[k])];
   if (energy.line) {
-    series.push({ label: energy.line, stroke: "#222", width: 1.6, value: own(rows[layers]), points: { show: false } });
+    series.push({ label: energy.line, stroke: () => viscorod.style("--ink"), width: 1.6, value: own(rows[layers]), points: { show: false } });
     data.push(rows[layers]);
     series.push({ label: "numerical remainder", stroke: "#b00020", width: 1.2, dash: [4, 3], value: own(rows[layers + 1]), points: { show: false } });
     data.push(rows[layers + 1]);
   }
-  return new viscorod.Chart(place, { ...common, height: 190, yLabel: energy.unit, series }, data, common.goTo);
+  return new viscorod.Chart(place, { ...common, height: 250, yLabel: energy.unit, series }, data, common.goTo);
 };
 
 viscorod.decayChart = function (place, decay, common) {
@@ -101,7 +124,7 @@ viscorod.decayChart = function (place, decay, common) {
     { label: name, stroke: "#b06f00", width: 1.6, dash: [6, 4], points: { show: false }, value },
   ];
   const yRange = () => [1.2 * least, most > 0 ? 1.2 * most : 0.1];
-  return new viscorod.Chart(place, { ...common, height: 150, yLabel: "ratio", yRange, series }, [x, decay.ratio, x.map(() => decay.limit)], common.goTo);
+  return new viscorod.Chart(place, { ...common, height: 200, yLabel: "ratio", yRange, series }, [x, decay.ratio, x.map(() => decay.limit)], common.goTo);
 };
 
 viscorod.decayTable = function (table, decay, second) {

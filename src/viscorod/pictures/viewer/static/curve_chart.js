@@ -1,9 +1,9 @@
 "use strict";
 /* A chart of curves that may turn back: lines, points, marks, and the chosen place on each. Drawn as SVG. */
 
-viscorod.COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#7a5c00", "#005f46", "#444444"];
+viscorod.COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#7a5c00", "#005f46", "#777777"];
 
-viscorod.markColour = (kind) => (kind.startsWith("limit") ? "#d55e00" : "#222");
+viscorod.markColour = (kind) => (kind.startsWith("limit") ? "#d55e00" : "var(--ink)");
 
 /* About `count` round numbers between two; powers of ten, with 2 and 5 where these are few, on a logarithmic axis. */
 viscorod.ticks = function (low, high, count, log) {
@@ -98,7 +98,7 @@ viscorod.CurveChart = class {
     const width = this.place.clientWidth;
     if (this.hidden || width < 50) return;
     const { chart, svg } = this;
-    const height = chart.equal ? Math.min(width, 380) : chart.side ? 200 : 260;
+    const height = chart.equal ? Math.min(width, 380) : chart.side ? 220 : 320;
     const box = (this.box = { left: 66, right: width - 12, top: 8, bottom: height - 40 });
     svg.setAttribute("viewBox", `0 0 ${width} ${height}`);
     svg.setAttribute("height", height);
@@ -120,7 +120,7 @@ viscorod.CurveChart = class {
     for (const guide of chart.guides) this.guide(guide, x, y);
     chart.curves.forEach((curve, k) => this.curve(curve, this.brought === null || this.brought === k));
     for (const mark of chart.marks) {
-      const dot = this.add(this.inner, "circle", { cx: this.sx(mark.x), cy: this.sy(mark.y), r: 5, fill: "#fff", stroke: viscorod.markColour(mark.kind), "stroke-width": 1.8, class: "mark" });
+      const dot = this.add(this.inner, "circle", { cx: this.sx(mark.x), cy: this.sy(mark.y), r: 5, fill: "var(--page)", stroke: viscorod.markColour(mark.kind), "stroke-width": 1.8, class: "mark" });
       this.add(dot, "title", {}).textContent = mark.text;
     }
     this.over = this.add(this.inner, "g", {});
@@ -144,30 +144,30 @@ viscorod.CurveChart = class {
   axes(x, y, logs, box, height) {
     const { chart, svg } = this;
     const write = (text, attributes) => { this.add(svg, "text", attributes).textContent = text; };
-    for (const v of viscorod.ticks(x[0], x[1], Math.max(2, Math.floor((box.right - box.left) / 90)), logs.x)) {
+    for (const v of viscorod.ticks(x[0], x[1], Math.max(2, Math.floor((box.right - box.left) / 70)), logs.x)) {
       const px = this.sx(v);
-      this.add(svg, "line", { x1: px, x2: px, y1: box.top, y2: box.bottom, stroke: "#e4e4e4" });
+      this.add(svg, "line", { x1: px, x2: px, y1: box.top, y2: box.bottom, stroke: "var(--faint)" });
       write(viscorod.text(v, 6), { x: px, y: box.bottom + 15, "text-anchor": "middle" });
     }
     for (const v of viscorod.ticks(y[0], y[1], Math.max(2, Math.floor((box.bottom - box.top) / 32)), logs.y)) {
       const py = this.sy(v);
-      this.add(svg, "line", { x1: box.left, x2: box.right, y1: py, y2: py, stroke: v === 0 ? "#8a8a8a" : "#e4e4e4" });
+      this.add(svg, "line", { x1: box.left, x2: box.right, y1: py, y2: py, stroke: v === 0 ? "var(--edge)" : "var(--faint)" });
       write(viscorod.text(v, 6), { x: box.left - 5, y: py + 4, "text-anchor": "end" });
     }
-    this.add(svg, "rect", { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top, fill: "none", stroke: "#8a8a8a" });
+    this.add(svg, "rect", { x: box.left, y: box.top, width: box.right - box.left, height: box.bottom - box.top, fill: "none", stroke: "var(--edge)" });
     write(chart.x, { x: 0.5 * (box.left + box.right), y: height - 6, "text-anchor": "middle" });
     write(chart.y, { transform: `translate(13 ${0.5 * (box.top + box.bottom)}) rotate(-90)`, "text-anchor": "middle" });
   }
 
   guide(guide, x, y) {
-    const line = guide.x.map((v, k) => `${this.sx(v).toFixed(1)},${this.sy(guide.y[k]).toFixed(1)}`).join(" ");
-    this.add(this.inner, "polyline", { points: line, fill: "none", stroke: "#8a8a8a", "stroke-width": 1, "stroke-dasharray": "6 3" });
+    const line = guide.x.map((v, k) => `${this.sx(v).toFixed(2)},${this.sy(guide.y[k]).toFixed(2)}`).join(" ");
+    this.add(this.inner, "polyline", { points: line, fill: "none", stroke: "var(--edge)", "stroke-width": 1, "stroke-dasharray": "6 3" });
     if (!guide.text) return;
     const last = guide.x.length - 1;
     const part = Math.min(1, (y[1] - guide.y[0]) / (guide.y[last] - guide.y[0] || 1), (x[1] - guide.x[0]) / (guide.x[last] - guide.x[0] || 1)) * 0.97;
     const [px, py] = [guide.x[0] + part * (guide.x[last] - guide.x[0]), guide.y[0] + part * (guide.y[last] - guide.y[0])];
     const label = this.add(this.inner, "text", { x: this.sx(px) - 4, y: this.sy(py) - 3, "text-anchor": "end" });
-    label.style.fill = "#777";
+    label.style.fill = "var(--soft)";
     label.textContent = guide.text;
   }
 
@@ -176,7 +176,7 @@ viscorod.CurveChart = class {
     const [x, y] = [this.row(curve.x, this.at), this.row(curve.y, this.at)];
     const stroke = viscorod.COLOURS[curve.colour % viscorod.COLOURS.length];
     const opacity = clear ? 1 : 0.18;
-    const point = (k) => `${this.sx(x[k]).toFixed(1)},${this.sy(y[k]).toFixed(1)}`;
+    const point = (k) => `${this.sx(x[k]).toFixed(2)},${this.sy(y[k]).toFixed(2)}`;
     if (curve.points || x.length === 1) {
       for (let k = 0; k < x.length; k++) this.add(this.inner, "circle", { cx: this.sx(x[k]), cy: this.sy(y[k]), r: 4, fill: stroke, opacity });
       return;

@@ -80,6 +80,7 @@ viscorod.start = async function () {
     show(to);
   });
   select();
+  viscorod.theme($("dark"), () => {});
   document.documentElement.dataset.ready = "yes";
 };
 

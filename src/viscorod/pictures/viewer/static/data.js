@@ -65,3 +65,35 @@ viscorod.text = function (value, digits = 4) {
   }
   return text.replace(/-/g, "\u2212");
 };
+
+/* A number with its unit and an engineering prefix. */
+viscorod.prefixed = function (value, unit, digits = 3) {
+  if (!value) return `0 ${unit}`;
+  const power = Math.max(-8, Math.min(5, Math.floor(Math.log10(Math.abs(value) * (1 + 1e-12)) / 3)));
+  const prefix = ["y", "z", "a", "f", "p", "n", "\u00b5", "m", "", "k", "M", "G", "T", "P"][power + 8];
+  return `${viscorod.text(value / 10 ** (3 * power), digits)} ${prefix}${unit}`;
+};
+
+/* A colour of the page, which is light or dark. */
+viscorod.style = (name) => getComputedStyle(document.documentElement).getPropertyValue(name).trim();
+
+/* Begin as the reader's system is, light or dark; the button changes it. */
+viscorod.theme = function (button, changed) {
+  const root = document.documentElement;
+  const set = (dark) => {
+    root.toggleAttribute("data-dark", dark);
+    button.setAttribute("aria-pressed", String(dark));
+    changed();
+  };
+  button.addEventListener("click", () => set(!root.hasAttribute("data-dark")));
+  set(window.matchMedia("(prefers-color-scheme: dark)").matches);
+};
+
+/* Give the reader a file. */
+viscorod.hand = function (blob, name) {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href), 10000);
+};

@@ -6,8 +6,7 @@ viscorod.Space = class {
     this.meta = meta;
     this.arrays = arrays;
     this.canvas = canvas;
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true });
-    this.renderer.setClearColor("#ffffff");
+    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
     this.renderer.setPixelRatio(Math.min(window.devicePixelRatio, 2));
     this.scene = new THREE.Scene();
     const { look } = meta;
@@ -28,8 +27,10 @@ viscorod.Space = class {
     this.symbols = new viscorod.Symbols(meta, arrays, look.size);
     this.scene.add(this.surface.mesh, this.symbols.parts, this.symbols.loads);
     this.reference = this.referenceLines();
-    this.grid = this.gridBelow();
-    this.scene.add(this.reference, this.grid);
+    this.ghosts = this.ghostLines();
+    this.grid = new THREE.Group();
+    this.scene.add(this.reference, this.ghosts, this.grid);
+    this.dress();
     this.trace = new THREE.Group();
     this.scene.add(this.trace);
     this.names = this.nameTags();
@@ -67,7 +68,7 @@ viscorod.Space = class {
     const { low, high, centre, up, cell, size } = this.meta.look;
     const reach = Math.max(...high.map((value, k) => (Math.abs(up[k]) > 0.5 ? 0 : value - low[k])), 0.3 * size);
     const cells = 2 * Math.ceil((1.1 * reach) / (2 * cell));
-    const grid = new THREE.GridHelper(cells * cell, cells, "#b8b8b8", "#e2e2e2");
+    const grid = new THREE.GridHelper(cells * cell, cells, viscorod.style("--edge"), viscorod.style("--faint"));
     grid.quaternion.setFromUnitVectors(new THREE.Vector3(0, 1, 0), new THREE.Vector3(...up));
     grid.position.fromArray(
       centre.map((value, k) => {
@@ -78,11 +79,97 @@ viscorod.Space = class {
     return grid;
   }
 
+  /* Take the colours of the page, which is light or dark. */
+  dress() {
+    this.renderer.setClearColor(viscorod.style("--page"));
+    const ink = viscorod.style("--ink");
+    this.scene.traverse(({ material }) => {
+      if (!material || !material.color) return;
+      material.userData.ink ??= `#${material.color.getHexString()}` === viscorod.COLOUR.support;
+      if (material.userData.ink) material.color.set(ink);
+    });
+    this.grid.clear();
+    this.grid.add(this.gridBelow());
+    this.refresh();
+  }
+
+  /* The rods of other results, as lines. */
+  ghostLines() {
+    const group = new THREE.Group();
+    for (const [k, { array, counts }] of this.meta.ghosts.entries()) {
+      let first = 0;
+      for (const count of counts) {
+        const geometry = new THREE.BufferGeometry();
+        geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * count), 3));
+        const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: viscorod.GHOSTS[k % 3] }));
+        line.frustumCulled = false;
+        line.userData = { array: this.arrays[array], first };
+        group.add(line);
+        first += count;
+      }
+    }
+    return group;
+  }
+
+  moveGhosts(k, part) {
+    let last = null;
+    for (const line of this.ghosts.children) {
+      const { array, first } = line.userData;
+      if (!last || last.array !== array) last = { array, at: viscorod.between(array, k, part, new Float32Array(array.row)) };
+      const place = line.geometry.attributes.position;
+      place.array.set(last.at.subarray(3 * first, 3 * (first + place.count)));
+      place.needsUpdate = true;
+    }
+  }
+
+  /* What is seen, with its names and a line of text, as a picture. */
+  picture(text) {
+    this.renderer.render(this.scene, this.camera);
+    const ratio = this.canvas.width / this.canvas.clientWidth;
+    const paper = document.createElement("canvas");
+    [paper.width, paper.height] = [this.canvas.width, this.canvas.height + Math.round(26 * ratio)];
+    const pen = paper.getContext("2d");
+    pen.fillStyle = viscorod.style("--page");
+    pen.fillRect(0, 0, paper.width, paper.height);
+    pen.drawImage(this.canvas, 0, 0);
+    pen.scale(ratio, ratio);
+    const write = (words, x, y, colour, font) => {
+      pen.font = font;
+      pen.fillStyle = colour;
+      pen.fillText(words, x, y);
+    };
+    const font = '12.5px system-ui, "DejaVu Sans", sans-serif';
+    pen.textBaseline = "top";
+    for (const { tag } of this.names) {
+      if (tag.hidden) continue;
+      const [x, y] = tag.style.transform.match(/-?[\d.]+/g).map(Number);
+      write(tag.textContent, x + 3, y + 2, getComputedStyle(tag).color, font);
+    }
+    const foot = this.canvas.clientHeight;
+    const triad = document.getElementById("triad");
+    for (const part of triad.children) {
+      const at = (name) => 0.84 * Number(part.getAttribute(name) || 0);
+      if (part.tagName === "text") {
+        write(part.textContent, 46 + at("x") - 4, foot - 46 + at("y") - 7, part.getAttribute("fill"), font);
+        continue;
+      }
+      pen.strokeStyle = part.getAttribute("stroke");
+      pen.lineWidth = 2;
+      pen.beginPath();
+      pen.moveTo(46, foot - 46);
+      pen.lineTo(46 + at("x2"), foot - 46 + at("y2"));
+      pen.stroke();
+    }
+    const legend = this.field ? `${this.field.title}: ${document.getElementById("scale-low").textContent} to ${document.getElementById("scale-high").textContent}` : "";
+    write([text, legend].filter(Boolean).join("; "), 8, foot + 5, viscorod.style("--ink"), font);
+    return new Promise((done) => { paper.toBlob(done); });
+  }
+
   nameTags() {
     const box = document.getElementById("labels");
     return this.symbols.names.slice(0, 24).map((name) => {
       const tag = document.createElement("span");
-      tag.style.color = name.colour;
+      tag.style.color = name.colour === viscorod.COLOUR.support ? "var(--ink)" : name.colour;
       box.append(tag);
       return { ...name, tag };
     });
@@ -130,6 +217,7 @@ viscorod.Space = class {
       this.changed = false;
       this.surface.move(k, part);
       this.symbols.move(k, part);
+      this.moveGhosts(k, part);
       this.colour();
       if (this.trace.children.length) this.trace.children[1].geometry.setDrawRange(0, k + 1);
     }

@@ -199,7 +199,9 @@ viscorod.FieldReader = class {
     this.surface = surface;
     this.scratch = [];
     this.ranges = new Map();
+    this.nodeS = arrays.node_s.values;
     if (!arrays.point_s) return;
+    [this.pointS, this.line] = [arrays.point_s.values, arrays.point_line.values];
     const [s, line] = [arrays.point_s.values, arrays.point_line.values];
     const rings = surface.rings;
     this.lower = new Uint32Array(rings);
@@ -221,6 +223,19 @@ viscorod.FieldReader = class {
       }
       ring += rod.rings;
     });
+  }
+
+  /* First and last (not counted) number of a rod's values of a field, and their arc lengths. */
+  along(field, number) {
+    const { lines } = this.surface.meta;
+    if (field.at === "nodes") {
+      const from = lines.slice(0, number).reduce((sum, { nodes }) => sum + nodes, 0);
+      const to = from + lines[number].nodes;
+      return [from, to, Array.from(this.nodeS.subarray(from, to))];
+    }
+    const from = this.line.indexOf(number);
+    const to = this.line.lastIndexOf(number) + 1;
+    return [Math.max(from, 0), to, Array.from(this.pointS.subarray(Math.max(from, 0), to))];
   }
 
   at(field, k, part) {

@@ -1,6 +1,7 @@
 "use strict";
 /* Supports, bodies, joints, springs and loads: groups that follow their marks. */
 
+viscorod.GHOSTS = ["#d55e00", "#cc79a7", "#7a5c00"];
 viscorod.COLOUR = { support: "#222222", body: "#009e73", joint: "#e69f00", spring: "#a0487b", load: "#d12a1e", trace: "#0072b2", reference: "#8a8a8a" };
 
 viscorod.Symbols = class {

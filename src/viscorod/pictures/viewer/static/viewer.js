@@ -128,9 +128,11 @@ viscorod.start = async function () {
 
   let mode = null; // the one that swings, of a page of modes
   const charts = [];
+  let along = null;
   const total = x.length;
   const show = (at, k, part) => {
     if (space) space.show(k, part);
+    if (along) along.now();
     for (const chart of charts) chart.point(at);
     $("scrub").value = at;
     const nearest = part < 0.5 ? k : k + 1;
@@ -213,13 +215,42 @@ viscorod.start = async function () {
       Home: () => goTo(x[0]),
       End: () => goTo(x[x.length - 1]),
       f: () => space && space.fit(),
+      F: () => $("full").click(),
+      s: () => $("save").click(),
+      d: () => $("dark").click(),
     };
     if (!(event.key in actions) || (on === "BUTTON" && event.key === " ")) return;
     event.preventDefault();
     actions[event.key]();
   });
 
+  $("full").addEventListener("click", () => (document.fullscreenElement ? document.exitFullscreen() : $("left").requestFullscreen()));
+  $("save").disabled = !space;
+  $("save").addEventListener("click", () => space && space.picture(`${meta.title ? `${meta.title}, ` : ""}${$("now").textContent}`).then((blob) => viscorod.hand(blob, "viscorod.png")));
+  viscorod.theme($("dark"), () => {
+    if (space) space.dress();
+    for (const chart of [...charts, along]) if (chart) chart.plot.redraw(false);
+  });
   if (space) viscorod.connect(space, meta, arrays, option, $);
+  if (space && meta.lines.length && !meta.modes.length) {
+    meta.lines.forEach(({ rod }, k) => option($("along-rod"), k, rod));
+    $("along-rod").hidden = meta.lines.length < 2;
+    const draw = () => {
+      if (along) along.remove();
+      along = null;
+      $("along").hidden = !space.field;
+      if (!space.field) return;
+      const number = Number($("along-rod").value);
+      const [from, to, s] = space.reader.along(space.field, number);
+      const [scale, unit] = meta.length;
+      $("along-title").textContent = `${space.field.title[0].toUpperCase()}${space.field.title.slice(1)} along ${meta.lines.length < 2 ? meta.lines[0].rod : "the rod"} now`;
+      along = viscorod.alongChart($("along-chart"), space.field, s.map((v) => scale * v), space.reader.range(space.field), unit, meta.lines[number].rod);
+      along.now = () => along.plot.setData([along.plot.data[0], Array.from(space.reader.at(space.field, ...space.frame)).slice(from, to)], false);
+      along.now();
+    };
+    for (const id of ["field", "along-rod"]) $(id).addEventListener("change", draw);
+    draw();
+  }
   if (meta.modes.length) {
     const choose = (k) => {
       mode = meta.modes[k];
@@ -322,15 +353,15 @@ viscorod.connect = function (space, meta, arrays, option, $) {
   $("show-names").addEventListener("change", () => { space.showNames = $("show-names").checked; space.refresh(); });
   for (const button of document.querySelectorAll("[data-look]")) button.addEventListener("click", () => space.look(button.dataset.look));
   const { cell } = meta.look;
-  const [factor, unit] = cell < 0.01 ? [1e3, "mm"] : cell >= 1000 ? [1e-3, "km"] : [1, "m"];
-  $("grid-size").textContent = `grid ${viscorod.text(factor * cell, 3)} ${unit}`;
+  $("grid-size").textContent = `grid ${cell >= 0.01 && cell < 1000 ? `${viscorod.text(cell, 3)} m` : viscorod.prefixed(cell, "m")}`;
   $("show-grid").addEventListener("change", () => { $("grid-size").hidden = !$("show-grid").checked; });
   const legend = [...space.symbols.kinds.values(), ["reference shape", viscorod.COLOUR.reference]];
+  for (const [k, { name }] of meta.ghosts.entries()) legend.push([name, viscorod.GHOSTS[k % 3]]);
   if (!meta.modes.length) legend.push(["trace", viscorod.COLOUR.trace]);
   for (const [text, colour] of legend) {
     const entry = document.createElement("span");
     const patch = document.createElement("i");
-    patch.style.background = colour;
+    patch.style.background = colour === viscorod.COLOUR.support ? "var(--ink)" : colour;
     entry.append(patch, text);
     $("legend").append(entry);
   }

@@ -1,0 +1,97 @@
+"""Other results and measured records beside one in its page: their curves in its charts, their rods in its space."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.records.motion_record import Record
+from viscorod.results.data_schema import AXES
+from viscorod.results.probe import instants_of, poses_at
+from viscorod.results.run import Run
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.pictures.viewer.frames import Frames
+    from viscorod.pictures.viewer.packing import Pack
+    from viscorod.results.result import Result
+
+__all__ = ["Beside"]
+
+_MEASURED = {"displacement": "displacement", "velocity": "velocity"}
+
+
+class Beside:
+    """Motions and records that are shown beside a motion.
+
+    Args:
+        result: the motion; samples: numbers of its stored states in the charts.
+        others: motions and records of displacement or velocity along global axes.
+
+    Raises:
+        InputError: one of them cannot be shown beside it.
+    """
+
+    def __init__(self, result: Result, samples: np.ndarray, others: Sequence[Run | Record]) -> None:
+        self._runs: list[tuple[int, str, Run]] = []
+        self._records: list[tuple[int, str, Record]] = []
+        if others and not isinstance(result, Run):
+            raise InputError("beside: only motions over time have others beside them; give a run")
+        self._times = np.asarray(result.data[result.dimension].values, dtype=float)[samples]
+        for number, other in enumerate(others):
+            if isinstance(other, Run):
+                self._runs.append((number, other.title or f"result {number + 2}", other))
+            elif isinstance(other, Record) and other.quantity in _MEASURED and other.direction in AXES:
+                self._records.append((number, other.name or "measured", other))
+            else:
+                what = type(other).__name__
+                raise InputError(
+                    f"beside: {what}: give motions over time, or records of displacement or velocity along x, y or z"
+                )
+        titles = [name for _, name, _ in self._runs]
+        own = getattr(result, "title", "")
+        self._runs = [
+            (number, f"{name} ({number + 2})" if titles.count(name) > 1 or name == own else name, run)
+            for number, name, run in self._runs
+        ]
+
+    def curves(self, label: str, place: str, names: list[str]) -> list[tuple[dict[str, Any], Floats]]:
+        """Return what others have for a group of curves: what each is, and its values at the times of the charts.
+
+        Args:
+            label: of the group, "displacement of beam.end"; place: of it; names: of its curves, x, y, z.
+        """
+        quantity: Any = label.split(" of ", maxsplit=1)[0]
+        found: list[tuple[dict[str, Any], Floats]] = []
+        for number, name, run in self._runs:
+            try:
+                values = run.history(place, quantity).values
+            except InputError:  # it has no such place
+                continue
+            for k, axis in enumerate(names):
+                told = {"name": f"{axis}, {name}", "curve": k, "result": number}
+                found.append((told, self._at(run.time, values[:, k])))
+        for number, name, record in self._records:
+            if record.place == place and record.quantity == quantity:
+                k = names.index(str(record.direction))
+                told = {"name": f"{names[k]}, {name}", "curve": k, "result": number}
+                found.append((told, self._at(record.times, record.values)))
+        return found
+
+    def _at(self, times: Floats, values: Floats) -> Floats:
+        return np.interp(self._times, times, values, left=np.nan, right=np.nan)
+
+    def ghosts(self, frames: Frames, pack: Pack) -> list[dict[str, Any]]:
+        """Put the rods of other motions into the page at the times of its frames; return what they are called."""
+        told = []
+        for number, name, run in self._runs:
+            times = np.clip(frames.instants, run.time[0], run.time[-1])
+            stations = [run.sites.stations(rod) for rod in run.sites.rods]
+            poses = poses_at(run, np.concatenate(stations), instants_of(run, times))
+            array = f"ghost{number}"
+            pack.quantised(array, poses.position, 3)
+            told.append({"name": name, "array": array, "counts": [len(part) for part in stations]})
+        return told
