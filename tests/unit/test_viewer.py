@@ -432,10 +432,10 @@ def test_others_beside_a_motion_have_their_values_at_its_times(tmp_path):
     """Another motion and a measured record: values of both at the times of the charts, nothing where they have none."""
     run, other = (Run(synthetic_results.swing(zeta, duration=2.0)) for zeta in (0.05, 0.2))
     times = np.linspace(0.5, 1.5, 201)
-    record = vr.Record(
+    record = viscorod.Record(
         times, np.sin(times), place="beam.end", quantity="displacement", direction="y", name="laser"
     )
-    text = vr.view(run, tmp_path / "page.html", beside=[other, record]).read_text(encoding="utf-8")
+    text = viscorod.view(run, tmp_path / "page.html", beside=[other, record]).read_text(encoding="utf-8")
     meta, data = viewer_pages.parts(text)
     group = meta["histories"][0]
     assert group["label"] == "displacement of beam.end"
@@ -451,8 +451,8 @@ def test_others_beside_a_motion_have_their_values_at_its_times(tmp_path):
     instants, _ = viewer_pages.array(meta, data, "instants")
     for k in (0, len(instants) // 2):
         assert np.abs(ghost[k] - other.positions_at(float(instants[k]))).max() < half.max() + 1e-7
-    with pytest.raises(vr.InputError, match="only motions over time"):
-        vr.view(Equilibrium(synthetic_results.rolled_up()), tmp_path / "page.html", beside=[other])
+    with pytest.raises(viscorod.InputError, match="only motions over time"):
+        viscorod.view(Equilibrium(synthetic_results.rolled_up()), tmp_path / "page.html", beside=[other])
 
 
 def test_round_off_is_not_shown_as_data(page):
