@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -12,12 +12,15 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
 from viscorod.results.result_places import ResultPlace, ResultPlaces
+from viscorod.shown import Shown, counted
+from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -33,7 +36,7 @@ if TYPE_CHECKING:
 Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
 
-class Result(ABC):
+class Result(WellNamed, Shown, ABC):
     """A data set with the methods that all kinds of result have."""
 
     kind: ClassVar[str]
@@ -408,3 +411,28 @@ class Result(ABC):
 
     def __str__(self) -> str:
         return self.report()
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.sites.rods), "rod")
+        bodies = {place.partition(".")[0] for place in self.sites.bodies}
+        if bodies:
+            yield counted(len(bodies), "body", "bodies")
+        yield counted(int(self.data.sizes["station"]), "station")
+        if self.outcome != "completed":
+            yield self.outcome
+
+    def _drawing(self) -> str:
+        """Return the reference shape, dashed, and the shape in the last state."""
+        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        return self._shapes(reference, self.field("position", states=-1))
+
+    def _shapes(self, faint: Floats, main: Floats) -> str:
+        """Return a small drawing of two shapes, positions of the stations ``(station, 3)`` each."""
+        parts = [self.sites.stations(rod) for rod in self.sites.rods]
+        bodies = np.array([int(self.sites.stations(body)[0]) for body in self.sites.bodies], dtype=int)
+        seen = on_paper([*(faint[k] for k in parts), *(main[k] for k in parts), main[bodies]])
+        drawing = Drawing()
+        for number, line in enumerate(seen[:-1]):
+            drawing.line(line, faint=number < len(parts))
+        drawing.dots(seen[-1])
+        return drawing.svg()
