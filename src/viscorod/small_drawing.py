@@ -90,7 +90,7 @@ class Drawing:
         first = MARGIN + 0.5 * (room - scale * extent)
 
         def placed(group: Floats) -> Floats:
-            found = first + scale * (group - low)
+            found: Floats = first + scale * (group - low)
             found[:, 1] = HEIGHT - found[:, 1]
             return found
 
@@ -102,14 +102,15 @@ class Drawing:
         for dots, shape in self._dots:
             parts += [shape.format(x=x, y=y) + 'fill="currentColor"/>' for x, y in placed(dots).tolist()]
         size = f'width="{WIDTH:.0f}" height="{HEIGHT:.0f}" viewBox="0 0 {WIDTH:.0f} {HEIGHT:.0f}"'
-        return f'<svg xmlns="http://www.w3.org/2000/svg" {size}>{"".join(parts)}</svg>'
+        return f'<svg xmlns="http://www.w3.org/2000/svg" style="flex-shrink:0" {size}>{"".join(parts)}</svg>'
 
 
 def thinned(points: Floats) -> Floats:
     """Return as many points of a line ``(k, 2)`` as are drawn, its ends among them."""
     if len(points) <= MOST:
         return points
-    return np.asarray(points[np.linspace(0, len(points) - 1, MOST).round().astype(int)])
+    chosen: Floats = points[np.linspace(0, len(points) - 1, MOST).round().astype(int)]
+    return chosen
 
 
 def _path(points: Floats) -> str:

@@ -89,6 +89,9 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
     #: Former names of fields, which are understood with a warning, and the present ones.
     renamed: ClassVar[dict[str, str]] = {}
 
+    #: Words that are no fields and are often taken for one, and what to give instead.
+    hints: ClassVar[dict[str, str]] = {}
+
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
     unused: ClassVar[tuple[str, ...]] = ()
 
@@ -124,7 +127,8 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Refuse a change, for what was checked together stays as it is."""
-        if name in type(self).model_fields or not hasattr(type(self), name):
+        private = name.startswith("_")
+        if name in type(self).model_fields or not (private or hasattr(type(self), name)):
             raise InputError(
                 Fault(
                     f"{type(self).__name__}.{name}",
@@ -151,10 +155,10 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
 
     def __repr__(self) -> str:
         """Return one line: what it was given, without what was left out."""
-        whole = f"{type(self).__name__}({', '.join(self._given(repr))})"
+        whole = f"{type(self).__name__}({', '.join(self._words_given(_written))})"
         if len(whole) <= _LINE:
             return whole
-        short = ", ".join(self._given(show))
+        short = ", ".join(self._words_given(show))
         return (
             f"{type(self).__name__}({short if len(short) <= 2 * _LINE else short[: 2 * _LINE - 3] + '...'})"
         )
@@ -162,7 +166,7 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
     def __str__(self) -> str:
         return repr(self)
 
-    def _given(self, text: Callable[[Any], str]) -> Iterator[str]:
+    def _words_given(self, text: Callable[[Any], str]) -> Iterator[str]:
         for name, field in type(self).model_fields.items():
             value = getattr(self, name)
             same = not field.is_required() and (value is field.default or _same(value, field.default))
@@ -225,6 +229,16 @@ def _same(one: Any, other: Any) -> bool:
     if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
         return math.isnan(other)
     return bool(one == other)
+
+
+def _written(value: Any) -> str:
+    """Return a value as it is typed, numbers without digits that say nothing."""
+    if isinstance(value, float) and float(f"{value:g}") == value:
+        return f"{value:g}"
+    if isinstance(value, tuple):
+        items = ", ".join(map(_written, value))
+        return f"({items},)" if len(value) == 1 else f"({items})"
+    return repr(value)
 
 
 def _in_words(value: Any) -> str:
@@ -339,6 +353,7 @@ def _unknown(cls: type[Definition], key: str, data: Mapping[Any, Any]) -> Faulty
         if close
         else f"the keys here are {_keys(cls)}"
     )
+    advice = cls.hints.get(key, advice)
     return FaultyValue(data.get(key), "no such key", advice, replaces=close or "")
 
 

@@ -26,7 +26,7 @@ def in_si(kind: type[Any], data: Mapping[str, Any]) -> Mapping[str, Any]:
 
 
 @cache
-def _form_of(kind: type[Any], fields: int) -> Mapping[str, Any]:
+def _form_of(kind: Any, fields: int) -> Mapping[str, Any]:
     """Return the forms of the fields of a class; how many there are only keys the cache."""
     del fields
     found = {name: (accepted(field), units_of(field)) for name, field in kind.model_fields.items()}

@@ -43,6 +43,11 @@ class AnySection(Definition):
         """Whether stiffness, damping and inertia come from a `Material` given beside the section."""
         return self.no_material is None
 
+    @property
+    def has_inertia(self) -> bool:
+        """Whether its inertia is known, without which nothing moves."""
+        return True
+
     def refuse_material(self, material: Material | None) -> None:
         """Refuse a material beside a section that takes none.
 
@@ -72,7 +77,9 @@ class AnySection(Definition):
 
     def _drawing(self) -> str:
         drawing = Drawing()
-        drawing.area(np.array(ring, dtype=float) for region in self.outline for ring in (region[0], *region[1]))
+        drawing.area(
+            np.array(ring, dtype=float) for region in self.outline for ring in (region[0], *region[1])
+        )
         return drawing.svg()
 
     def remarks(self) -> tuple[str, ...]:
