@@ -14,6 +14,7 @@ version = release = installed_version("viscorod")
 sys.path.insert(0, str(Path(__file__).parent))
 extensions = [
     "myst_parser",
+    "sphinx_copybutton",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx-mathjax-offline",  # formulas are shown without a network
@@ -31,6 +32,8 @@ autodoc_typehints = "none"  # docstrings say what a value means and in which uni
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+
+copybutton_prompt_text = "$ "  # what a shell prints is not copied
 
 html_theme = "furo"
 html_title = "viscorod"
