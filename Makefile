@@ -99,7 +99,8 @@ fuzz: $(VENV)/.stamp-test
 honest: $(VENV)/.stamp-test
 	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)
 
-docs: pages
+docs: $(VENV)/.stamp-test
+	VISCOROD_NOTEBOOKS=cache $(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 figures: $(VENV)/.stamp-test
