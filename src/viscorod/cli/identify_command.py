@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.command_kind import quiet
-from viscorod.cli.files import writable
+from viscorod.cli.files import picture_at, writable
 from viscorod.cli.options import ResultFolder
 from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 
@@ -41,7 +41,7 @@ def identify(
         written = [
             result.save(folder / "fit.nc"),
             result.page(folder / "fit.html"),
-            result.plot(folder / "fit.png"),
+            picture_at(result.plot, folder / "fit.png"),
         ]
         for number in range(len(result.words("cases"))):
             path = folder / ("case.toml" if number == 0 else f"case_{number + 1}.toml")

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import readable_errors, replacing_note, told
 
@@ -56,6 +56,6 @@ def modes(
         folder = writable(output or Path("out") / case.stem)
         replacing_note(folder / "modes.nc")
         found = as_model(loaded.description).modes(**settings, title=loaded.title)
-        written = [found.save(folder / "modes.nc"), found.plot(folder / "modes.png")]
+        written = [found.save(folder / "modes.nc"), picture_at(found.plot, folder / "modes.png")]
         written.append(view(found, folder / "modes.html"))
         told(found, written)

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors, told
 
@@ -62,7 +63,7 @@ def decay(
         if output is None:
             told(found)
             return
-        told(found, [found.save(output / "decay.nc"), found.plot(output / "decay.png")])
+        told(found, [found.save(output / "decay.nc"), picture_at(found.plot, output / "decay.png")])
 
 
 def _column(text: str) -> str | int:

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.command_kind import wants_json
+from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, numbers_of, output_option
 from viscorod.cli.terminal import readable_errors, say, told, written
 from viscorod.errors import Fault, InputError
@@ -50,7 +51,7 @@ def master(
             files = [
                 found.save(output / "master.nc"),
                 found.write_table(output / "master.csv"),
-                found.plot(output / "master.png"),
+                picture_at(found.plot, output / "master.png"),
             ]
         if wants_json():
             told(found, files)
