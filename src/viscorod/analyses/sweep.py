@@ -266,7 +266,20 @@ class MemberWork:
 
 Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
 
-STOPPED = "the sweep was stopped"
+class _Stop:
+    """Returns why a member is to end, if it is.
+
+    Attributes:
+        patient: it may be called after some short steps that are taken at once, as in a run by itself.
+    """
+
+    patient = True
+
+    def __init__(self, stopped: Callable[[], bool]) -> None:
+        self._stopped = stopped
+
+    def __call__(self) -> str:
+        return "the sweep was stopped" if self._stopped() else ""
 
 
 def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
@@ -280,7 +293,7 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
             tell(course.part(reached))
 
         return (
-            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else "", errors=errors),
+            run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),
             "",
             "completed",
         )
