@@ -117,7 +117,11 @@ def dataset(
         coordinates |= connections(problem, reader)
         joints = _joints(along, problem, recorded.joints)
         variables, coordinates = variables | joints[0], coordinates | joints[1]
-    return xr.Dataset(variables, _indexed(coordinates, places, (along, np.array(history.instant))), attrs={"kind": kind, **attrs})
+    return xr.Dataset(
+        variables,
+        _indexed(coordinates, places, (along, np.array(history.instant))),
+        attrs={"kind": kind, **attrs},
+    )
 
 
 def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -157,7 +161,7 @@ def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:
     """Return the index of a dimension, and its coordinate."""
     import xarray as xr
 
-    index = xr.indexes.PandasIndex(values, name)
+    index = xr.indexes.PandasIndex(values, name, coord_dtype=values.dtype)
     return index, index.create_variables()[name]
 
 
