@@ -22,7 +22,7 @@ class UnknownAttributeError(InputError, AttributeError):
             Fault(
                 f"{called or type(owner).__name__}.{name}",
                 "",
-                "there is no attribute of this name",
+                f"there is no attribute {name!r}",
                 advice.strip() or f"it has {some_of(words)}",
             )
         )

@@ -133,7 +133,7 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
                 Fault(
                     f"{type(self).__name__}.{name}",
                     "",
-                    "it cannot be changed",
+                    "it is frozen, and cannot be changed",
                     f"make another: replaced({name}={show(value)})"
                     if name in type(self).model_fields
                     else "make another",
@@ -290,9 +290,7 @@ def at_key(key: str | int, value: Any) -> Iterator[None]:
     try:
         yield
     except RefusedError as error:
-        if isinstance(value, FaultyValue) and value.reported:
-            raise InputError(()) from None
-        if isinstance(value, FaultyValue):
+        if isinstance(value, FaultyValue) and not value.reported:
             raise RefusedError(value.why, value.instead, found=show(value.value), at=(key,)) from None
         found = show(value) if error.found is None else error.found
         raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None

@@ -18,7 +18,7 @@ __all__ = ["SIWalk", "has_quantity", "in_si"]
 PLAIN = "1"
 
 
-def in_si(kind: type[Any], data: Mapping[str, Any]) -> Mapping[str, Any]:
+def in_si(kind: Any, data: Mapping[str, Any]) -> Mapping[str, Any]:
     """Return the values of the fields of a class in SI; one that is refused becomes a mark that says why."""
     if not has_quantity(data):
         return data
