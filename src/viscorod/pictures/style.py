@@ -9,7 +9,6 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results import text_numbers
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -130,6 +129,17 @@ def legend_above(axes: Axes, columns: int) -> None:
     )
 
 
+def legend_over(axes: Axes, columns: int) -> None:
+    """Put the legend between an axes and its heading, where it hides nothing."""
+    names = axes.get_legend_handles_labels()[1]
+    if not names:
+        return
+    legend_above(axes, columns)
+    title = axes.get_title(loc="left")
+    rows = -(-len(names) // columns)
+    axes.set_title(title, loc="left", fontsize=TEXT, color=INK, pad=8.0 + 1.45 * SMALL * rows)
+
+
 def legend_inside(axes: Axes) -> None:
     """Put the legend into a free corner of an axes."""
     axes.legend(
@@ -158,6 +168,3 @@ _NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
 def heading(axes: Axes, text: str) -> None:
     """Put a short heading above an axes, flush left."""
     axes.set_title(text, loc="left", fontsize=TEXT, color=INK)
-
-
-scaled = text_numbers.scaled

@@ -31,8 +31,8 @@ from viscorod.pictures.style import (
     TEXT,
     figure,
     label_once,
-    scaled,
 )
+from viscorod.results.text_numbers import scaled
 from viscorod.solve.problem.discretise import discretise
 from viscorod.typing import Floats
 

@@ -17,8 +17,8 @@ from viscorod.pictures.style import (
     figure,
     heading,
     legend_above,
-    scaled,
 )
+from viscorod.results.text_numbers import scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.described_model import weight_of
 from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
@@ -13,6 +14,7 @@ from viscorod.pictures.style import (
     GREY,
     INK,
     ORANGE,
+    PURPLE,
     RED,
     SKY,
     SMALL,
@@ -21,8 +23,9 @@ from viscorod.pictures.style import (
     figure,
     heading,
     legend_above,
-    scaled,
 )
+from viscorod.results.text_numbers import scaled
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -31,6 +34,22 @@ if TYPE_CHECKING:
     from viscorod.results.run import Run
 
 _ROUND_OFF = 1e-14  # percent
+
+
+def gravity_potential(run: Run) -> Floats | None:
+    """Return the potential energy of gravity less that at the start ``(times,)`` [J]; None where there is none.
+
+    It is the work against gravity, -g times the integral of the linear momentum over time: its spline is integrated.
+    """
+    pull = weight_of(run)
+    if pull is None or "linear_momentum" not in run.data or run.time.size < 4:
+        return None
+    from scipy.interpolate import CubicSpline
+
+    rate = -np.asarray(run.data["linear_momentum"].values, dtype=float) @ pull
+    time, first = np.unique(run.time, return_index=True)
+    work: Floats = CubicSpline(time, rate[first]).antiderivative()(run.time)
+    return work if np.any(work) else None
 
 
 def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
@@ -50,6 +69,8 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
     top = np.sum(parts, axis=0)
     supplied = energy.supplied
     scale, unit = scaled("J", np.maximum(top, supplied))
+    clock, second = scaled("s", energy.time)
+    time = clock * energy.time
     if ax is None:
         picture = figure(10.0, 6.8)
         if run.title:
@@ -59,38 +80,46 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
     else:
         upper, lower = ax, None
 
-    clean(upper, "" if lower is not None else "time [s]", f"energy [{unit}]")
+    clean(upper, "" if lower is not None else f"time [{second}]", f"energy [{unit}]")
     upper.stackplot(
-        energy.time,
+        time,
         *(scale * part for part in parts),
         labels=names,
         colors=colours,
         linewidth=0.0,
     )
     upper.fill_between(
-        energy.time, scale * supplied, scale * top, color=RED, linewidth=0.8, label="numerical remainder"
+        time, scale * supplied, scale * top, color=RED, linewidth=0.8, label="numerical remainder"
     )
     upper.plot(
-        energy.time,
+        time,
         scale * supplied,
         color=INK,
         linewidth=1.4,
         label="initial energy + work done",
     )
-    if energy.time.size > 1:
-        upper.set_xlim(energy.time[0], energy.time[-1])
-    upper.set_ylim(bottom=min(0.0, 1.05 * scale * float(supplied.min())))
-    legend_above(upper, 5 if len(names) == 3 else 3)
+    potential = gravity_potential(run)
+    if potential is not None:
+        name = "potential of gravity, from its start"
+        upper.plot(time, scale * potential, color=PURPLE, linewidth=1.4, linestyle="-.", label=name)
+    if time.size > 1:
+        upper.set_xlim(time[0], time[-1])
+    lowest = min(float(supplied.min()), 0.0 if potential is None else float(potential.min()))
+    upper.set_ylim(bottom=min(0.0, 1.05 * scale * lowest))
+    one_row = len(names) == 3 and potential is None
+    legend_above(upper, 5 if one_row else 3)
+    if not one_row and ax is None:
+        picture.subplots_adjust(top=0.85)  # two rows, below the title
     if lower is None:
         return within(upper)
 
-    clean(lower, "time [s]", "|numerical| [% of moved]")
+    clean(lower, f"time [{second}]", "|numerical| [% of moved]")
     moved = energy.moved
     if moved > 0.0:
         percent = np.maximum(100.0 * np.abs(energy.numerical) / moved, _ROUND_OFF)
         shown = energy.numerical != 0.0  # the start has none, which no logarithm shows
         alone = "o" if percent.size == 1 else None
-        lower.semilogy(energy.time[shown], percent[shown], color=RED, linewidth=1.4, marker=alone)
+        lower.semilogy(time[shown], percent[shown], color=RED, linewidth=1.4, marker=alone)
         lower.minorticks_off()
         lower.yaxis.set_major_formatter("{x:g}")
         lower.axhline(1.0, color=GREY, linestyle="--", linewidth=1.2)

@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from textwrap import fill
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.mechanics.rotations.quaternion import product
 from viscorod.pictures.picture import chosen_numbers, within
+from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, legend_of_all, titled
+from viscorod.results.text_numbers import number as text_of
+from viscorod.results.text_numbers import quantity
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -50,24 +55,30 @@ def draw_modes(
     if ax is None:
         picture = titled(result, width, height)
         picture.subplots_adjust(top=1.0 - 1.5 / height, hspace=0.5, wspace=0.3)
-    curves = Curves(result)
+    curves, assembly = Curves(result), Assembly(result)
+    coiled = curves.coiled(base)
+    still = np.asarray(result.data["rotation"].values, dtype=float)[-1]
     reach = _SIZE * float(np.max(np.ptp(base, axis=0)))
-    rest = "turning" if result.kind == "steady" else "at rest"
     for panel, k in enumerate(drawn, 1):
         shape = modes.shapes[k]
         # the instant of the swing at which most is displaced
         phase = 0.5 * np.angle(np.sum(shape * shape))
-        real = np.real(shape * np.exp(-1j * phase))
+        real, turn = (np.real(part * np.exp(-1j * phase)) for part in (shape, modes.rotations[k]))
         largest = float(np.max(np.linalg.norm(real, axis=-1)))
-        swing = reach / largest * real if largest > 0.0 else real
+        size = reach / largest if largest > 0.0 else 1.0
         axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
-        view = View.of(np.stack([base, base + swing, base - swing]))
+        view = View.of(np.stack([base, base + size * real, base - size * real]))
         view.prepare(axes, _name(k, modes) + (f"\n{view.name}" if ax is None else ""))
-        curves.draw(axes, view, base + swing, color=BLUE, linewidth=2.0, label="mode")
-        curves.draw(axes, view, base - swing, color=SKY, linewidth=1.2, label="half a period later")
-        curves.draw(axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label=rest)
+        # what is coiled stands side by side: at rest, and at both ends of the swing
+        shifts = view.strip(np.stack([base] * 3)) if coiled else np.zeros((3, 3))
+        for sign, shift, style in zip((0.0, 1.0, -1.0), shifts, _styles(result), strict=True):
+            moved, turned = base + sign * size * real, after_turn(still, sign * size * turn)
+            curves.draw(axes, view, moved + shift, **style)
+            if not assembly.empty:
+                assembly.draw(axes, view.shifted(shift), moved, turned, style["color"])
+            if coiled or not sign:
+                mark_supports(axes, view, result, base + shift)
         axes.margins(0.08)
-        mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)
         view.finish(axes)
     if ax is not None:
@@ -76,11 +87,29 @@ def draw_modes(
     return picture
 
 
+def _styles(result: Result) -> tuple[dict[str, Any], ...]:
+    """Return how the shape at rest and both ends of a swing are drawn."""
+    rest = "turning" if result.kind == "steady" else "at rest"
+    return (
+        {"color": GREY, "linestyle": (0, (4, 3)), "linewidth": 1.1, "label": rest},
+        {"color": BLUE, "linewidth": 2.0, "label": "mode"},
+        {"color": SKY, "linewidth": 1.2, "label": "half a period later"},
+    )
+
+
+def after_turn(rotations: Floats, turn: Floats) -> Floats:
+    """Return rotations ``(stations, 4)`` after turns about their own axes, rotation vectors ``(stations, 3)``."""
+    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
+    small = np.concatenate([np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * turn], axis=-1)
+    found: Floats = product(rotations, small)
+    return found
+
+
 def _name(k: int, modes: Modes | vibrations.Modes) -> str:
     eigenvalue, ratio, name = modes.eigenvalues[k], modes.damping_ratios[k], modes.names[k]
     title = f"{fill(f'{k + 1}: {name}', _WIDTH)}\n"
     if k < modes.rigid:
         return f"{title}nothing resists it"
     if abs(eigenvalue.imag) <= 1e-9 * abs(eigenvalue):
-        return f"{title}overdamped, decays at {-eigenvalue.real:.4g} 1/s"
-    return f"{title}{modes.frequencies[k]:.4g} Hz, damping ratio {ratio:.3g}"
+        return f"{title}overdamped, decays at {text_of(-eigenvalue.real, 4)} 1/s"
+    return f"{title}{quantity(modes.frequencies[k], 'Hz', 4)}, damping ratio {text_of(ratio, 3)}"

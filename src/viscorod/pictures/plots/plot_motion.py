@@ -20,8 +20,7 @@ from viscorod.pictures.style import (
     clean,
     heading,
     legend_above,
-    legend_inside,
-    scaled,
+    legend_over,
     time_colours,
     titled,
 )
@@ -29,6 +28,7 @@ from viscorod.results.data_schema import AXES
 from viscorod.results.decrement import Decrement
 from viscorod.results.extremes import hermite
 from viscorod.results.probe import instants_of, poses_at
+from viscorod.results.text_numbers import number, quantity, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -40,6 +40,8 @@ if TYPE_CHECKING:
 
 _SNAPSHOTS = 13
 _SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
+_FALLS = 0.7  # part of the largest amplitude to which it falls where ratios are drawn over it
+_ROOM = 0.035  # of the number of a cycle, as a part of the largest amplitude
 _BETWEEN, _ENOUGH = 8, 4000  # points drawn from one stored time to the next, and in all
 
 
@@ -75,7 +77,7 @@ def draw_motion(
     place, axis = chosen_motion(run, place, axis)
     decay = run.free_decay(place, axis)
     picture = titled(run, 10.0, 7.6)
-    grid = picture.add_gridspec(2, 1 if decay is None else 2, height_ratios=(1.0, 1.2))
+    grid = picture.add_gridspec(2, 1 if decay is None else 2, height_ratios=(1.0, 1.2), hspace=0.4)
     draw_history(picture.add_subplot(grid[0, :]), run, place, axis, decay)
     _snapshots(picture, grid[1, 0], run, decay)
     if decay is not None:
@@ -87,15 +89,17 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
     """Draw a displacement over time into an axes, with the maxima and the envelope of a decay."""
     values = run.history(place, "displacement").sel(axis=axis).values
     scale, unit = scaled("m", values)
-    clean(axes, "time [s]", f"displacement {axis} of {place} [{unit}]")
+    clock, second = scaled("s", run.time)
+    clean(axes, f"time [{second}]", f"displacement {axis} [{unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     lone = "o" if run.time.size == 1 else None
     time, curve = _curve(run.time, values, run.history(place, "velocity").sel(axis=axis).values)
-    axes.plot(time, scale * curve, color=BLUE, linewidth=1.6, marker=lone, label=f"displacement {axis}")
+    name = f"displacement {axis} of {place}"
+    axes.plot(clock * time, scale * curve, color=BLUE, linewidth=1.6, marker=lone, label=name)
     axes.margins(x=0.01)
     if decay is not None:
         axes.plot(
-            decay.time,
+            clock * decay.time,
             scale * decay.value,
             "o",
             color=RED,
@@ -107,11 +111,16 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
         size, rate = decay.envelope
         envelope = size * np.exp(-rate * run.time)
         cycles = "all cycles" if decay.scattered else "the last cycles"
-        label = f"envelope of {cycles}, exp({-rate:.3g} t/s)".replace("-", "\N{MINUS SIGN}")
+        minus = "\N{MINUS SIGN}" if rate > 0.0 else ""
+        label = (
+            f"envelope of {cycles}, exp({minus}t / {quantity(1.0 / abs(rate), 's', 3)})"
+            if rate
+            else "envelope"
+        )
         bottom, top = axes.get_ylim()
         for sign, text in ((1.0, label), (-1.0, None)):
             bound = scale * (decay.rest_at(run.time) + sign * envelope)
-            axes.plot(run.time, bound, "--", color=ORANGE, linewidth=1.4, label=text)
+            axes.plot(clock * run.time, bound, "--", color=ORANGE, linewidth=1.4, label=text)
         # Extrapolated to the start, the envelope may run far out of the large first swings.
         room = 0.05 * (top - bottom)
         axes.set_ylim(bottom - room, top + room)
@@ -144,7 +153,9 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
     first = decay is None or start - (end - start) < run.time[0]
-    period = "" if decay is None else ", first period" if first else f", period from {start:.3g} s"
+    period = (
+        "" if decay is None else ", first period" if first else f", period from {quantity(start, 's', 3)}"
+    )
     rods += " and bodies" if assembly.bodies else ""
     view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
     colours = time_colours()
@@ -161,34 +172,51 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     for shift in shifts if coiled else shifts[:1]:
         mark_supports(axes, view, run, positions[0] + shift)
     view.finish(axes, headroom=0.3 if coiled else 0.0)
-    bar = picture.colorbar(ScalarMappable(span, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
-    bar.set_label("time [s]", fontsize=TEXT)
+    clock, second = scaled("s", times)
+    shown = Normalize(clock * span.vmin, clock * span.vmax)
+    bar = picture.colorbar(ScalarMappable(shown, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
+    bar.set_label(f"time [{second}]", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
-    legend_inside(axes)
+    legend_over(axes, 3 if len(axes.get_legend_handles_labels()[1]) < 5 else 4)
 
 
 def _damping(axes: Axes, decay: Decrement) -> None:
+    """Draw the damping ratio over the amplitude, or over the number of the cycle where the amplitude hardly falls."""
     amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
     scale, unit = scaled("m", amplitude)
-    clean(axes, f"mean amplitude of the cycle [{unit}]", "damping ratio")
+    falls = float(amplitude.min()) < _FALLS * float(amplitude.max())
+    x = scale * amplitude if falls else np.arange(1.0, ratio.size + 1.0)
+    clean(axes, f"mean amplitude of the cycle [{unit}]" if falls else "cycle", "damping ratio")
     words, limit = decay.limit
-    name = f"{words}: {limit:.4f}"
-    heading(axes, "Damping ratio of every cycle (numbered)")
+    heading(axes, "Damping ratio of every cycle (numbered)" if falls else "Damping ratio of every cycle")
+    name = f"{words}: {number(limit, 4)}"
     axes.axhline(limit, color=ORANGE, linestyle="--", linewidth=1.4, label=name)
     style = "o" if decay.scattered else "o-"
-    axes.plot(scale * amplitude, ratio, style, color=GREEN, markersize=6, linewidth=1.2)
+    axes.plot(x, ratio, style, color=GREEN, markersize=6, linewidth=1.2)
     low, high = min(0.0, float(ratio.min())), max(float(ratio.max()), limit)
-    step = max(1, ratio.size // 12)
-    for number in range(0, ratio.size, step):
+    if falls:
+        _number_cycles(axes, x, ratio, low, high)
+        axes.set_xlim(0.0, 1.08 * float(x.max()))
+        axes.locator_params(axis="x", nbins=6)
+    else:
+        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.set_xlim(0.5, ratio.size + 0.5)
+    axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
+    legend_over(axes, 1)
+
+
+def _number_cycles(axes: Axes, x: Floats, ratio: Floats, low: float, high: float) -> None:
+    """Write the numbers of cycles beside their points, those that have room."""
+    last = np.inf
+    for k in range(ratio.size):
+        if abs(last - x[k]) < _ROOM * float(x.max()):
+            continue
+        last = x[k]
         axes.annotate(
-            str(number + 1),
-            (scale * amplitude[number], ratio[number]),
-            xytext=(0, -16 if ratio[number] - low > 0.1 * (high - low) else 8),
+            str(k + 1),
+            (x[k], ratio[k]),
+            xytext=(0, -16 if ratio[k] - low > 0.1 * (high - low) else 8),
             textcoords="offset points",
             ha="center",
             fontsize=SMALL,
         )
-    axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
-    axes.set_xlim(0.0, 1.08 * scale * float(amplitude.max()))
-    axes.locator_params(axis="x", nbins=6)
-    legend_inside(axes)

@@ -18,9 +18,9 @@ from viscorod.pictures.style import (
     figure,
     heading,
     legend_inside,
-    scaled,
 )
 from viscorod.results.data_schema import AXES
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

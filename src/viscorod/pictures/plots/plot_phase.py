@@ -15,11 +15,11 @@ from viscorod.pictures.style import (
     clean,
     colour_bar,
     legend_above,
-    scaled,
     time_colours,
     titled,
 )
 from viscorod.results.data_schema import AXES
+from viscorod.results.text_numbers import scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

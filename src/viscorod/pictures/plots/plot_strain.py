@@ -18,13 +18,13 @@ from viscorod.pictures.style import (
     colour_bar,
     heading,
     legend_above,
-    scaled,
     time_colours,
     titled,
 )
 from viscorod.results.array_pieces import extremes, largest
 from viscorod.results.components import STRAINS, Component, chosen_component
 from viscorod.results.run import Run
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -37,7 +37,7 @@ _INSTANTS, _ALONG = 9, 120  # profiles, points along a rod
 _TIMES, _PLACES = 600, 120  # of an image
 _MOST_RODS = 4  # below each other
 
-_LEVELS = {"time": "time [s]", "load_factor": "load factor", "spin": "angular speed [rad/s]"}
+_LEVELS = {"load_factor": "load factor", "spin": "angular speed [rad/s]"}
 
 
 def draw_strain(
@@ -58,6 +58,7 @@ def draw_strain(
         return within(ax)
     picture = titled(result, 10.0, 7.4)
     level = np.asarray(result.data[result.dimension].values, dtype=float)
+    clock, along = _levels(result, level)
     several = level.size > 1
     grid = picture.add_gridspec(2 if several else 1, 2, height_ratios=(1.0, 1.15) if several else None)
     if several:
@@ -65,12 +66,12 @@ def draw_strain(
         for column, words in enumerate((list(STRAINS)[:3], list(STRAINS)[3:])):
             axes = picture.add_subplot(grid[0, column])
             first = 3 * column
-            scale, unit = _percent(size[:, :3]) if column == 0 else (1.0, "1/m")
-            clean(axes, _LEVELS[result.dimension], f"largest size along the rods [{unit}]")
+            scale, unit = _percent(size[:, :3]) if column == 0 else scaled("1/m", size[:, 3:])
+            clean(axes, along, f"largest along the rods [{unit}]")
             for k, (word, colour) in enumerate(zip(words, (BLUE, ORANGE, GREEN), strict=True)):
                 style = ("-", "--", ":")[k]
                 axes.plot(
-                    level,
+                    clock * level,
                     scale * size[:, first + k],
                     style,
                     color=colour,
@@ -118,7 +119,8 @@ def draw_space_time(
         found = result.probe(name, times, s=s)[quantity].values
         images.append((name, s, shown.of(found)))
     most = max(float(np.max(np.abs(image))) for _, _, image in images)
-    scale, unit = scaled(shown.unit, most) if shown.unit in ("N", "W/m") else (1.0, shown.unit)
+    clock, along = _levels(result, times)
+    scale, unit = _percent(np.array([most])) if shown.unit == "1" else scaled(shown.unit, most)
     signed = quantity != "dissipation"
     if ax is None:
         picture = titled(result, 10.0, 1.6 + 2.9 * len(rods))
@@ -127,11 +129,12 @@ def draw_space_time(
         panels, picture = np.array([ax]), within(ax)
     top = scale * most or 1.0
     for axes, (name, s, image) in zip(panels, images, strict=True):
-        clean(axes, "time [s]" if axes is panels[-1] else "", "arc length [m]")
+        reach, metre = scaled("m", s)
+        clean(axes, along if axes is panels[-1] else "", f"arc length [{metre}]")
         axes.grid(visible=False)
         mesh = axes.pcolormesh(
-            times,
-            s,
+            clock * times,
+            reach * s,
             scale * image.T,
             cmap="RdBu_r" if signed else "viridis",
             vmin=-top if signed else 0.0,
@@ -158,14 +161,16 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
         chosen = np.unique(np.linspace(0, level.size - 1, _INSTANTS).round().astype(int))
         levels = level[chosen]
         values = shown.of(result.probe(rod, s=s)[shown.quantity].values[chosen])
-    scale, unit = _percent(values) if shown.unit == "1" else (1.0, shown.unit)
-    clean(axes, f"arc length of {rod} [m]", f"{shown.name} [{unit}]")
+    scale, unit = _percent(values) if shown.unit == "1" else scaled(shown.unit, values)
+    clock, along = _levels(result, level)
+    reach, metre = scaled("m", s)
+    clean(axes, f"arc length of {rod} [{metre}]", f"{shown.name} [{unit}]")
     colours = time_colours()
     ordered = np.sort(levels)
     span = Normalize(ordered[0], ordered[-1] if ordered[-1] > ordered[0] else ordered[0] + 1.0)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     for at, profile in zip(levels, values, strict=True):
-        axes.plot(s, scale * profile, color=colours(span(at)), linewidth=1.6)
+        axes.plot(reach * s, scale * profile, color=colours(span(at)), linewidth=1.6)
     axes.margins(x=0.01)
     word = result.dimension.replace("_", " ")
     heading(
@@ -173,7 +178,8 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
         f"{shown.name.capitalize()} at {len(levels)} instants" if word == "time" else shown.name.capitalize(),
     )
     if len(levels) > 1:
-        colour_bar(axes.figure, axes, ScalarMappable(span, colours), _LEVELS[result.dimension])
+        shown_span = Normalize(clock * span.vmin, clock * span.vmax)
+        colour_bar(axes.figure, axes, ScalarMappable(shown_span, colours), along)
     else:
         axes.annotate(
             f"{word} {levels[0]:.3g}",
@@ -186,9 +192,17 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
 
 
 def _percent(values: Floats) -> tuple[float, str]:
-    """Return factor and unit of a strain without dimension: percent, or millionths where it is small."""
+    """Return factor and unit of a strain without dimension: percent, or micrometres per metre where it is small."""
     size = float(np.max(np.abs(values), initial=0.0))
-    return (1e6, "1e-6") if 0.0 < size < 1e-4 else (100.0, "%")
+    return (1e6, "µm/m") if 0.0 < size < 1e-4 else (100.0, "%")
+
+
+def _levels(result: Result, level: Floats) -> tuple[float, str]:
+    """Return factor and label of what states are stored along: times with a prefix."""
+    if result.dimension != "time":
+        return 1.0, _LEVELS[result.dimension]
+    clock, second = scaled("s", level)
+    return clock, f"time [{second}]"
 
 
 def _busiest(result: Result, shown: Component) -> str:

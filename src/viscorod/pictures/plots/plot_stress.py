@@ -7,9 +7,17 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, INK, SMALL, clean, heading, scaled, titled
+from viscorod.pictures.style import (
+    BLUE,
+    INK,
+    SMALL,
+    clean,
+    heading,
+    titled,
+)
 from viscorod.results.reports.report_parts import load_level
 from viscorod.results.stress import section_patch
+from viscorod.results.text_numbers import scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

@@ -10,8 +10,17 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.pictures.style import GREY, INK, LIGHT, SMALL, clean, heading, label_once, scaled
+from viscorod.pictures.style import (
+    GREY,
+    INK,
+    LIGHT,
+    SMALL,
+    clean,
+    heading,
+    label_once,
+)
 from viscorod.results.data_schema import AXES
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -21,7 +21,16 @@ if TYPE_CHECKING:
 
 __all__ = ["Beside"]
 
-_MEASURED = {"displacement": "displacement", "velocity": "velocity"}
+_MEASURED = ("displacement", "velocity")
+
+
+def _axis_of(record: Record) -> int | None:
+    """Return the number of the global axis along which a record was measured, None of others."""
+    if isinstance(record.direction, str):
+        return AXES.index(record.direction) if record.direction in AXES else None
+    along = np.asarray(record.direction, dtype=float)
+    axes = np.flatnonzero(np.isclose(along, 1.0))
+    return int(axes[0]) if axes.size == 1 and np.isclose(np.abs(along).sum(), 1.0) else None
 
 
 class Beside:
@@ -44,7 +53,7 @@ class Beside:
         for number, other in enumerate(others):
             if isinstance(other, Run):
                 self._runs.append((number, other.title or f"result {number + 2}", other))
-            elif isinstance(other, Record) and other.quantity in _MEASURED and other.direction in AXES:
+            elif isinstance(other, Record) and other.quantity in _MEASURED and _axis_of(other) is not None:
                 self._records.append((number, other.name or "measured", other))
             else:
                 what = type(other).__name__
@@ -75,14 +84,15 @@ class Beside:
                 told = {"name": f"{axis}, {name}", "curve": k, "result": number}
                 found.append((told, self._at(run.time, values[:, k])))
         for number, name, record in self._records:
-            if record.place == place and record.quantity == quantity:
-                k = names.index(str(record.direction))
+            k = _axis_of(record)
+            if k is not None and record.place == place and record.quantity == quantity:
                 told = {"name": f"{names[k]}, {name}", "curve": k, "result": number}
                 found.append((told, self._at(record.times, record.values)))
         return found
 
     def _at(self, times: Floats, values: Floats) -> Floats:
-        return np.interp(self._times, times, values, left=np.nan, right=np.nan)
+        found: Floats = np.interp(self._times, times, values, left=np.nan, right=np.nan)
+        return found
 
     def ghosts(self, frames: Frames, pack: Pack) -> list[dict[str, Any]]:
         """Put the rods of other motions into the page at the times of its frames; return what they are called."""

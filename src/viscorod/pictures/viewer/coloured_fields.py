@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.pictures.style import scaled
 from viscorod.results.largest_stress import peak_stresses
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.pictures.style import scaled
 from viscorod.results.data_schema import AXES
 from viscorod.results.energy import Energy
 from viscorod.results.run import Run
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -106,14 +106,14 @@ def histories_of(result: Result, samples: Integers, pack: Pack, beside: Beside) 
     data = result.data
     if "reaction" in data:
         reactions = np.asarray(data["reaction"].values, dtype=float)[samples]
-        force, moment = (
+        forces, moments = (
             float(np.abs(part).max(initial=0.0)) for part in (reactions[..., :3], reactions[..., 3:])
         )
         length = float(np.abs(result.field("position", states=-1)).max()) or 1.0
-        force, moment = max(force, moment / length), max(moment, force * length)
+        forces, moments = max(forces, moments / length), max(moments, forces * length)
         for k, name in enumerate(np.asarray(data["support"].values, dtype=str).tolist()):
-            add(f"force of support {name}", "N", list(AXES), reactions[:, k, :3], size=force)
-            add(f"moment of support {name}", "N m", list(AXES), reactions[:, k, 3:], size=moment)
+            add(f"force of support {name}", "N", list(AXES), reactions[:, k, :3], size=forces)
+            add(f"moment of support {name}", "N m", list(AXES), reactions[:, k, 3:], size=moments)
     if "joint" in data.coords:
         held = np.asarray(data["joint_held"].values, dtype=bool)
         words = np.asarray(data["joint_motion"].values, dtype=str)

@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.model.connections.place import AnyPlace, BodyPlace
-from viscorod.pictures.style import scaled
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

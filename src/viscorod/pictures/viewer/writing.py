@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,8 +10,8 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.pictures.described_model import described
 from viscorod.pictures.drawing.load_arrows import gravity
-from viscorod.pictures.style import scaled
 from viscorod.pictures.viewer.beside import Beside
 from viscorod.pictures.viewer.camera import first_look
 from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
@@ -36,6 +35,7 @@ from viscorod.results.result_warnings import warnings_of
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.stateless_result import StatelessResult
 from viscorod.results.steady_result import Steady
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
 
@@ -118,17 +118,6 @@ def view(
     with replacing(path) as new:
         new.write_text(text, encoding="utf-8")
     return path
-
-
-def described(result: Result) -> ModelDescription | None:
-    """Return the model that a result was computed from, None where the file does not have all of it."""
-    from viscorod.casefile.case import case_from_dict
-
-    try:
-        content = json.loads(result.data.attrs.get("case", "{}"))
-        return case_from_dict({**content, "title": "", "equilibrium": {}}).description
-    except (InputError, ValueError, TypeError, AttributeError):
-        return None  # functions of Python are in no file, and other versions have other words
 
 
 def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Sequence[Run | Record]) -> str:
