@@ -58,7 +58,7 @@ def legend_of_all(picture: Figure, height: float) -> None:
         [labels[k] for k in wanted],
         loc="upper left",
         bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
-        ncols=4,
+        ncols=5,
         frameon=False,
         fontsize=SMALL,
     )

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -16,17 +16,22 @@ if TYPE_CHECKING:
 _DIRECTIONS = np.array([(1, 1), (-1, 1), (1, -1), (-1, -1), (0, 1), (0, -1), (1, 0), (-1, 0)], dtype=float)
 _DISTANCES = (6.0, 12.0, 22.0, 36.0)
 """From the point to the text [pixels at 72 per inch]."""
+_FITS, _STEEP = 1.05, 3.0
+"""Of a line beside which a text stands turned: its length over that of the text, its rise over its run."""
+_TURNED = 2.0
+"""What it costs to read a text that is turned, in points of lines that it hides."""
 _FAR = 18.0
 """Distance from which on a line leads from the point to its text."""
 
 
 @dataclass(frozen=True)
 class Label:
-    """A text at a point on paper."""
+    """A text at a point on paper; ``along`` is a direction beside which it may stand turned, (2,)."""
 
     point: Floats
     text: str
     colour: str
+    along: Floats | None = None
 
 
 class Labels:
@@ -36,9 +41,9 @@ class Labels:
         self._labels: list[Label] = []
         self._taken: list[Floats] = []
 
-    def add(self, point: Floats, text: str, colour: str = INK) -> None:
-        """Ask for a text near a point (2,)."""
-        self._labels.append(Label(np.asarray(point, dtype=float), text, colour))
+    def add(self, point: Floats, text: str, colour: str = INK, along: Floats | None = None) -> None:
+        """Ask for a text near a point (2,); ``along`` the line there, of the length of that, it may stand turned."""
+        self._labels.append(Label(np.asarray(point, dtype=float), text, colour, along))
 
     def avoid(self, points: Floats) -> None:
         """Keep texts off points ``(2, n)``, which lines have enough of."""
@@ -61,6 +66,7 @@ class Labels:
         taken = pixels(np.concatenate([np.zeros((2, 0)), *self._taken], axis=1).T)
         frame = axes.get_window_extent(renderer)
         boxes = np.zeros((0, 4))
+        lines = taken.copy()
         for label in self._labels:
             text = axes.annotate(
                 label.text,
@@ -76,31 +82,24 @@ class Labels:
             extent = text.get_window_extent(renderer)
             half = 0.5 * np.array([extent.width, extent.height]) + dot
             at = pixels(label.point)
-            best, chosen, box = np.inf, np.zeros(2), np.zeros(4)
-            for rank, distance in enumerate(_DISTANCES):
-                for direction in _DIRECTIONS:
-                    shift = direction * (
-                        half + dot * distance / max(1.0, float(np.abs(direction).sum()) ** 0.5)
-                    )
-                    low, high = at + shift - half, at + shift + half
-                    lines = np.count_nonzero(np.all((taken > low) & (taken < high), axis=1))
-                    crossed = np.count_nonzero(
-                        (boxes[:, 0] < high[0])
-                        & (boxes[:, 2] > low[0])
-                        & (boxes[:, 1] < high[1])
-                        & (boxes[:, 3] > low[1])
-                    )
-                    outside = not (
-                        frame.x0 < low[0] and high[0] < frame.x1 and frame.y0 < low[1] and high[1] < frame.y1
-                    )
-                    cost = 1.0 * lines + 300.0 * crossed + 300.0 * outside + 1.5 * rank
-                    if cost < best:
-                        best, chosen, box = cost, shift, np.concatenate([low, high])
-            text.set_position(tuple(chosen / dot))
-            boxes = np.append(boxes, box[None], axis=0)
-            gap = np.maximum(np.abs(chosen) - half, 0.0)
+            choices = [_Choice(half, 0.0, _around(half, dot))]
+            if label.along is not None:
+                run = pixels(label.point + label.along) - at
+                length = float(np.linalg.norm(run))
+                if length > _FITS * 2.0 * half[0] and abs(run[1]) > _STEEP * abs(run[0]):
+                    beside = np.array([half[1] + 4.0 * dot, 0.0])
+                    choices.append(_Choice(half[::-1], 90.0, [(0, beside), (0, -beside)]))
+            _, chosen = _best(choices, at, lines, boxes, frame)
+            text.set_position(tuple(chosen.shift / dot))
+            text.set_rotation(chosen.angle)
+            boxes = np.append(
+                boxes,
+                np.concatenate([at + chosen.shift - chosen.half, at + chosen.shift + chosen.half])[None],
+                axis=0,
+            )
+            gap = np.maximum(np.abs(chosen.shift) - chosen.half, 0.0)
             if float(np.hypot(*gap)) > _FAR * dot:
-                near = chosen - np.clip(chosen, -half, half)
+                near = chosen.shift - np.clip(chosen.shift, -chosen.half, chosen.half)
                 axes.annotate(
                     "",
                     tuple(label.point),
@@ -114,3 +113,50 @@ class Labels:
                         "shrinkB": 2.0,
                     },
                 )
+
+
+class _Choice(NamedTuple):
+    """A way to set a text: half of its sides, its angle [degrees], and shifts with their ranks, all in pixels."""
+
+    half: Floats
+    angle: float
+    shifts: list[tuple[int, Floats]]
+
+
+class _Set(NamedTuple):
+    """How a text is set."""
+
+    half: Floats
+    angle: float
+    shift: Floats
+
+
+def _around(half: Floats, dot: float) -> list[tuple[int, Floats]]:
+    """Return shifts of a text about its point, the nearest first."""
+    return [
+        (rank, direction * (half + dot * distance / max(1.0, float(np.abs(direction).sum()) ** 0.5)))
+        for rank, distance in enumerate(_DISTANCES)
+        for direction in _DIRECTIONS
+    ]
+
+
+def _best(choices: list[_Choice], at: Floats, lines: Floats, boxes: Floats, frame: Any) -> tuple[float, _Set]:
+    """Return the way of setting a text that hides least, and its cost."""
+    best, chosen = np.inf, _Set(choices[0].half, 0.0, np.zeros(2))
+    for half, angle, shifts in choices:
+        for rank, shift in shifts:
+            low, high = at + shift - half, at + shift + half
+            hidden = np.count_nonzero(np.all((lines > low) & (lines < high), axis=1))
+            crossed = np.count_nonzero(
+                (boxes[:, 0] < high[0])
+                & (boxes[:, 2] > low[0])
+                & (boxes[:, 1] < high[1])
+                & (boxes[:, 3] > low[1])
+            )
+            outside = not (
+                frame.x0 < low[0] and high[0] < frame.x1 and frame.y0 < low[1] and high[1] < frame.y1
+            )
+            cost = 1.0 * hidden + 300.0 * crossed + 300.0 * outside + 1.5 * rank + (_TURNED if angle else 0.0)
+            if cost < best:
+                best, chosen = cost, _Set(half, angle, shift)
+    return best, chosen

@@ -11,6 +11,7 @@ from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.load_effects import Arrows
 from viscorod.model.connections.resolved_places import position_of
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.results.text_numbers import quantity
 from viscorod.typing import Floats
 
 
@@ -64,10 +65,10 @@ def gravity(model: ModelDescription) -> Floats:
 
 def _text(load: AnyLoad, drawn: Arrows, sizes: Floats) -> str:
     """Return its size and what is special."""
-    text = f"{sizes.max():.3g} {drawn.unit}"
+    text = quantity(float(sizes.max()), drawn.unit, 3)
     if float(sizes.min()) < 0.999 * sizes.max():
         text = f"up to {text}"
     text += ", travels" if load.travels else ""
     text += ", follows" if drawn.following else ""
     text += "" if load.time is None else ", varies in time"
-    return text + ("" if load.until is None else f", until {load.until:g} s")
+    return text + ("" if load.until is None else f", until {quantity(load.until, 's')}")

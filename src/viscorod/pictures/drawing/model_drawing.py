@@ -8,20 +8,22 @@ import numpy as np
 
 from viscorod.model.connections.joint_base import ResolvedJoint
 from viscorod.model.connections.motion_words import MOTIONS
-from viscorod.model.connections.place import AnyPlace, BodyPlace
+from viscorod.model.connections.place import BodyPlace
 from viscorod.model.connections.resolved_places import position_of
 from viscorod.model.connections.spring import ResolvedSpring
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.description.pending_times import without_pending_times
+from viscorod.pictures.drawing.bodies_on_paper import corners_of, draw_bodies
 from viscorod.pictures.drawing.labels import Labels
 from viscorod.pictures.drawing.load_arrows import arrows, gravity
+from viscorod.pictures.drawing.loads_on_paper import draw_gravity, draw_loads
+from viscorod.pictures.drawing.paper import ARROW, MOST_NAMES, SIDEWAYS, Paper
 from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import zigzag
 from viscorod.pictures.plots.projection_view import View
 from viscorod.pictures.style import (
     BLUE,
-    GREEN,
     INK,
     LIGHT,
     ORANGE,
@@ -32,7 +34,7 @@ from viscorod.pictures.style import (
     figure,
     label_once,
 )
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import quantity
 from viscorod.solve.problem.discretise import discretise
 from viscorod.typing import Floats
 
@@ -40,16 +42,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-MOST_NAMES = 12
-"""Parts of a kind that are named in the picture."""
 MOST_SHADOWS = 24
-_ARROW = 0.13
-"""Length of an arrow as a part of the model's size."""
-_SHORTEST = 0.4
-"""Of the arrows of one unit, whose lengths grow as the square root of what they show."""
-_HEAD = 9.0
-_SIDEWAYS = 0.2
-"""Part of its length below which an arrow counts as standing on the paper."""
 
 
 def draw_assembly(model: ModelDescription, title: str = "", ax: Axes | None = None) -> Figure:
@@ -61,7 +54,7 @@ def draw_assembly(model: ModelDescription, title: str = "", ax: Axes | None = No
     return _Picture(model, title, ax).figure
 
 
-class _Picture:
+class _Picture(Paper):
     def __init__(self, model: ModelDescription, title: str, ax: Axes | None = None) -> None:
         self.model, self.labels = model, Labels()
         self.problem = discretise(without_pending_times(model))
@@ -81,17 +74,17 @@ class _Picture:
             self.figure, self.axes = within(ax), ax
         self.view.prepare(self.axes, f"Reference shape {self.view.name}")
         self._rods()
-        self._bodies()
+        draw_bodies(self, model, [*self.joints, *self.springs])
         self._springs()
         self._attachments()
         self._supports()
         self._joints()
-        self._loads()
+        draw_loads(self, self.loads)
         self.axes.margins(0.1 if self.view.plane else 0.04)
         self.view.finish(self.axes)
         self._legend()
         self.labels.place(self.axes)
-        self._gravity()
+        draw_gravity(self, self.gravity)
 
     # --- what there is
 
@@ -105,14 +98,15 @@ class _Picture:
         bodies = [
             body.position(point) for body in self.model.bodies.values() for point in (None, *body.points)
         ]
+        shapes = [corners for body in self.model.bodies.values() if (corners := corners_of(body)) is not None]
         parts: list[ResolvedJoint | ResolvedSpring] = [*self.joints, *self.springs]
-        return [
+        return shapes + [
             np.array([p]) for p in (*bodies, *(part.at_a for part in parts), *(part.at_b for part in parts))
         ]
 
     def _reaches(self, points: Floats) -> list[Floats]:
         """Return tips of arrows: loads across a plane are not seen in it."""
-        length = _ARROW * self.size
+        length = ARROW * self.size
         tips = [load.points + length * load.values for load in self.loads if not load.turning]
         weight = np.linalg.norm(self.gravity)
         if weight:
@@ -120,23 +114,6 @@ class _Picture:
         return tips
 
     # --- drawing
-
-    def _line(self, points: Floats, **style: Any) -> None:
-        """Draw a line through points ``(n, 3)`` [m] that labels keep off."""
-        paper = self.view.on_paper(points)
-        self.axes.plot(*paper, **style)
-        if len(points) == 2:
-            paper = paper[:, :1] + (paper[:, 1:] - paper[:, :1]) * np.linspace(0.0, 1.0, 25)
-        self.labels.avoid(paper)
-
-    def _symbols(self, points: Floats, marker: str, size: float, name: str, **style: Any) -> None:
-        paper = self.view.on_paper(points)
-        self.axes.plot(
-            *paper, marker, markersize=size, linestyle="none", label=label_once(self.axes, name), **style
-        )
-        around = np.array([(0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)]).T[:, None, :]
-        reach = 0.006 * self.view.scale * self.size
-        self.labels.avoid((paper[:, :, None] + reach * around).reshape(2, -1))
 
     def _rods(self) -> None:
         named = len(self.curves) + len(self.model.bodies) <= MOST_NAMES
@@ -147,10 +124,10 @@ class _Picture:
                 self.axes.plot(*self.view.on_paper(shadow), color=LIGHT, linewidth=1.0, zorder=1)
             style = {"color": BLUE, "linewidth": 2.0 if named else 1.3, "zorder": 2}
             label = label_once(self.axes, "rod")
-            self._line(curve, label=label, **style)
+            self.line(curve, label=label, **style)
             if named:
-                middle = self.view.on_paper(curve[[len(curve) // 2]])[:, 0]
-                self.labels.add(middle, name, BLUE)
+                first, middle, last = self.view.on_paper(curve[[0, len(curve) // 2, -1]]).T
+                self.labels.add(middle, name, BLUE, last - first)
         nodes = self.problem.positions[np.unique(self.problem.stations.nodes)]
         paper = self.view.on_paper(nodes)
         size = 3.2 if len(nodes) <= 60 else 1.6
@@ -161,48 +138,6 @@ class _Picture:
             "zorder": 3,
         }
         self.axes.plot(*paper, "o", markersize=size, linestyle="none", label="node", **dots)
-
-    def _bodies(self) -> None:
-        bodies = self.model.bodies
-        named = len(self.curves) + len(bodies) <= MOST_NAMES
-        fixed = self._fixed_to_bodies()
-        for name, body in bodies.items():
-            centre = body.position()
-            for point in fixed[name]:
-                self._line(np.array([centre, point]), color=GREEN, linewidth=1.2, zorder=3)
-            if body.points:
-                points = np.array([body.position(point) for point in body.points])
-                style = {"color": GREEN, "markeredgewidth": 1.4, "zorder": 4}
-                self._symbols(points, "x", 5.0, "point of a body", **style)
-            style = {"color": GREEN, "markeredgecolor": "white", "zorder": 5}
-            self._symbols(centre[None], "D", 9.0, "body", **style)
-            if named:
-                self.labels.add(
-                    self.view.on_paper(centre[None])[:, 0], f"{name}, {body.total_mass():.3g} kg", GREEN
-                )
-                if len(body.points) <= 4:
-                    for word in body.points:
-                        self.labels.add(self.view.on_paper(body.position(word)[None])[:, 0], word, GREEN)
-
-    def _fixed_to_bodies(self) -> dict[str, list[Floats]]:
-        """Return what is drawn as fixed to each body: points, attached rod ends, places of joints and springs."""
-        model = self.model
-        fixed = {name: [body.position(point) for point in body.points] for name, body in model.bodies.items()}
-
-        def add(place: AnyPlace | None, point: Floats) -> None:
-            if isinstance(place, BodyPlace):
-                fixed[place.body].append(point)
-
-        for group in model.nodes():
-            for place in group:
-                for other in group:
-                    if not isinstance(other, BodyPlace):
-                        add(place, position_of(model, other)[0])
-        parts: list[ResolvedJoint | ResolvedSpring] = [*self.joints, *self.springs]
-        for part in parts:
-            add(part.a, part.at_a)
-            add(part.b, part.at_b)
-        return fixed
 
     def _springs(self) -> None:
         extent = self.view.scale * self.size
@@ -215,10 +150,10 @@ class _Picture:
                 self.labels.avoid(0.5 * (line[:, :-1] + line[:, 1:]))
                 self.labels.avoid(line)
                 if spring.b is None:
-                    self._symbols(spring.at_b[None], "+", 8.0, "fixed point", color=INK, zorder=4)
+                    self.symbols(spring.at_b[None], "+", 8.0, "fixed point", color=INK, zorder=4)
             else:
                 style = {"color": PURPLE, "markeredgewidth": 1.4, "zorder": 6}
-                self._symbols(spring.at_a[None], "1", 13.0, "spring at a place", **style)
+                self.symbols(spring.at_a[None], "1", 13.0, "spring at a place", **style)
             if given.name and len(self.springs) <= MOST_NAMES:
                 self.labels.add(ends.mean(axis=1), given.name, PURPLE)
 
@@ -226,7 +161,7 @@ class _Picture:
         places = (place for group in self.model.nodes() for place in group)
         points = [position_of(self.model, at)[0] for at in places if not isinstance(at, BodyPlace)]
         if points:
-            self._symbols(np.array(points), "o", 4.5, "rigidly attached", color=INK, zorder=4)
+            self.symbols(np.array(points), "o", 4.5, "rigidly attached", color=INK, zorder=4)
 
     def _supports(self) -> None:
         supports = self.model.resolved_supports()
@@ -245,7 +180,7 @@ class _Picture:
             style: dict[str, Any] = {"color": INK, "zorder": 5}
             if kind[2] == "held in part":
                 style |= {"fillstyle": "bottom", "markerfacecoloralt": "white"}
-            self._symbols(np.array(points), *kind, **style)
+            self.symbols(np.array(points), *kind, **style)
 
     def _joints(self) -> None:
         centres = [body.position() for body in self.model.bodies.values()]  # not to be covered
@@ -257,7 +192,7 @@ class _Picture:
             if open_:
                 ends = np.array([joint.at_a, joint.at_b])
                 name = label_once(self.axes, "gap of a joint")
-                self._line(ends, color=RED, linestyle="--", linewidth=1.2, zorder=6, label=name)
+                self.line(ends, color=RED, linestyle="--", linewidth=1.2, zorder=6, label=name)
             rigid = not joint.free
             centred = any(np.allclose(point, centre, atol=1e-3 * self.size) for centre in centres)
             style = {
@@ -266,7 +201,7 @@ class _Picture:
                 "markeredgewidth": 0.8 if rigid else 2.0,
                 "zorder": 7,
             }
-            self._symbols(
+            self.symbols(
                 point[None], "o", 14.0 if centred else 8.0, "rigid joint" if rigid else "joint", **style
             )
             if len(self.joints) <= MOST_NAMES:
@@ -274,8 +209,7 @@ class _Picture:
                 if joint.motion:
                     text += f": {', '.join(f'{word}(t)' for word in joint.motion)}"
                 if open_:
-                    factor, unit = scaled("m", gap)
-                    text += f", gap {factor * gap:.3g} {unit}"
+                    text += f", gap {quantity(gap, 'm', 3)}"
                 self.labels.add(self.view.on_paper(point[None])[:, 0], text, _DARK_ORANGE)
 
     def _axes_of(self, joint: ResolvedJoint) -> None:
@@ -285,10 +219,10 @@ class _Picture:
         if len(turns) == 3:
             turns = []
         many = len(self.joints) > MOST_NAMES
-        reach = (0.3 if many else 0.55) * _ARROW * self.size
+        reach = (0.3 if many else 0.55) * ARROW * self.size
         for k in turns:
             direction = joint.frame[:, k]
-            if float(np.linalg.norm(self.view.projection @ direction)) < _SIDEWAYS:
+            if float(np.linalg.norm(self.view.projection @ direction)) < SIDEWAYS:
                 name = label_once(self.axes, "axis across the paper")
                 style: dict[str, Any] = {
                     "color": _DARK_ORANGE,
@@ -300,109 +234,12 @@ class _Picture:
                 continue
             ends = joint.at_a + reach * np.outer((-1.0, 1.0), direction)
             name = label_once(self.axes, "axis of rotation")
-            self._line(ends, color=ORANGE, linestyle="-.", linewidth=1.3, zorder=6, label=name)
+            self.line(ends, color=ORANGE, linestyle="-.", linewidth=1.3, zorder=6, label=name)
         for k in slides:
             ends = self.view.on_paper(joint.at_a + 1.3 * reach * np.outer((-1.0, 1.0), joint.frame[:, k]))
-            self._arrow(ends[:, 0], ends[:, 1], ORANGE, style="<->")
+            self.arrow(ends[:, 0], ends[:, 1], ORANGE, style="<->")
             name = label_once(self.axes, "direction of sliding")
             self.axes.plot([], [], color=ORANGE, linewidth=1.4, label=name)
-
-    def _loads(self) -> None:
-        named = len(self.loads) <= MOST_NAMES
-        largest: dict[str, float] = {}
-        for load in self.loads:
-            largest[load.unit] = max(largest.get(load.unit, 0.0), load.largest)
-        for load in self.loads:
-            part = (1.0 if named else 0.5) * max((load.largest / largest[load.unit]) ** 0.5, _SHORTEST)
-            tips = load.points + part * _ARROW * self.size * load.values
-            paper, ends = self.view.on_paper(load.points), self.view.on_paper(tips)
-            turning = load.turning
-            for tail, tip, value in zip(paper.T, ends.T, load.values, strict=True):
-                if float(np.linalg.norm(value)) < 0.02:
-                    continue
-                across = np.linalg.norm(self.view.projection @ value) < _SIDEWAYS * np.linalg.norm(value)
-                if turning and across:
-                    towards = float(np.cross(*self.view.projection) @ value) > 0.0
-                    self._turn(tail, anticlockwise=towards)
-                    continue
-                self._arrow(tail, tip, RED, style="-|>")
-                if turning:  # two heads: a moment about this direction
-                    self._arrow(tail, tail + 0.8 * (tip - tail), RED, style="-|>")
-            if load.spread:
-                self.axes.plot(*ends, color=RED, linewidth=0.9, zorder=6)
-                self.labels.avoid(ends)
-            kind, marker = ("moment", r"$\circlearrowleft$") if turning else ("force", ">")
-            line: dict[str, Any] = {
-                "color": RED,
-                "linewidth": 0.0 if turning else 1.4,
-                "marker": marker,
-                "markersize": 12.0 if turning else 6.0,
-            }
-            self.axes.plot([], [], label=label_once(self.axes, kind), **line)
-            if named:
-                middle = len(load.points) // 2
-                self.labels.add(ends[:, middle], load.text, RED)
-
-    def _arrow(self, tail: Floats, tip: Floats, colour: str, style: str) -> None:
-        self.axes.annotate(
-            "",
-            tuple(tip),
-            tuple(tail),
-            zorder=6,
-            arrowprops={
-                "arrowstyle": style, "color": colour, "linewidth": 1.4, "mutation_scale": _HEAD, "shrinkA": 0.0,
-                "shrinkB": 0.0,
-            },
-        )  # fmt: skip
-        self.axes.update_datalim([tuple(tail), tuple(tip)])
-        self.labels.avoid(tail[:, None] + (tip - tail)[:, None] * np.linspace(0.0, 1.0, 15))
-
-    def _turn(self, centre: Floats, *, anticlockwise: bool) -> None:
-        """Draw a moment about the direction across the paper."""
-        radius = 0.35 * _ARROW * self.size * self.view.scale
-        angle = np.radians(np.linspace(-60.0, 200.0, 40))
-        if not anticlockwise:
-            angle = np.pi - angle
-        arc = centre[:, None] + radius * np.array([np.cos(angle), np.sin(angle)])
-        self.axes.plot(*arc, color=RED, linewidth=1.4, zorder=6)
-        self._arrow(arc[:, -4], arc[:, -1], RED, style="-|>")
-        self.labels.avoid(arc)
-
-    def _gravity(self) -> None:
-        """Draw the weight in the upper right corner."""
-        size = float(np.linalg.norm(self.gravity))
-        if size == 0.0:
-            return
-        axes, direction = self.axes, self.view.projection @ self.gravity / size
-        text = f"gravity\n{size:.3g} m/s²"
-        axes.annotate(
-            text, (1.12, 0.20), xycoords="axes fraction", ha="center", va="bottom", fontsize=SMALL, color=RED
-        )
-        start = (1.12, 0.17)
-        if float(np.linalg.norm(direction)) < _SIDEWAYS:
-            towards = float(np.cross(*self.view.projection) @ self.gravity) > 0.0
-            axes.annotate(
-                "out of the paper" if towards else "into the paper",
-                start,
-                xycoords="axes fraction",
-                ha="center",
-                va="top",
-                fontsize=SMALL,
-            )
-            return
-        middle = (1.12, 0.09)
-        axes.annotate(
-            "",
-            middle,
-            xycoords="axes fraction",
-            xytext=tuple(-34.0 * direction),
-            textcoords="offset points",
-            annotation_clip=False,
-            arrowprops={
-                "arrowstyle": "-|>", "color": RED, "linewidth": 1.6, "mutation_scale": 12.0, "shrinkA": 0.0,
-                "shrinkB": 0.0,
-            },
-        )  # fmt: skip
 
     def _legend(self) -> None:
         self.axes.legend(

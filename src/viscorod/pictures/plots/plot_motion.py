@@ -177,7 +177,7 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     bar = picture.colorbar(ScalarMappable(shown, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
     bar.set_label(f"time [{second}]", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
-    legend_over(axes, 3 if len(axes.get_legend_handles_labels()[1]) < 5 else 4)
+    legend_over(axes, 4)
 
 
 def _damping(axes: Axes, decay: Decrement) -> None:

@@ -149,7 +149,7 @@ class Curves:
     """Smooth centre lines through the stations of every rod, all of them one line with gaps."""
 
     def __init__(self, result: Result) -> None:
-        self._shadow = "shadow on the floor"
+        self._shadow = "shadow"
         sites = result.sites
         arc = np.asarray(result.data["station_s"].values, dtype=float)
         known = {rod: arc[sites.stations(rod)] for rod in sites.rods}
