@@ -14,7 +14,7 @@ from viscorod.model.connections.spring import ResolvedSpring
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.description.pending_times import without_pending_times
-from viscorod.pictures.drawing.bodies_on_paper import corners_of, draw_bodies
+from viscorod.pictures.drawing.bodies_on_paper import draw_bodies
 from viscorod.pictures.drawing.labels import Labels
 from viscorod.pictures.drawing.load_arrows import arrows, gravity
 from viscorod.pictures.drawing.loads_on_paper import draw_gravity, draw_loads
@@ -98,9 +98,8 @@ class _Picture(Paper):
         bodies = [
             body.position(point) for body in self.model.bodies.values() for point in (None, *body.points)
         ]
-        shapes = [corners for body in self.model.bodies.values() if (corners := corners_of(body)) is not None]
         parts: list[ResolvedJoint | ResolvedSpring] = [*self.joints, *self.springs]
-        return shapes + [
+        return [
             np.array([p]) for p in (*bodies, *(part.at_a for part in parts), *(part.at_b for part in parts))
         ]
 
