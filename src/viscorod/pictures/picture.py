@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 from matplotlib.figure import Figure
 
 from viscorod.errors import InputError
-from viscorod.pictures.style import legend_inside, write
+from viscorod.pictures.style import legend_inside, with_prefixes, write
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -44,6 +44,8 @@ def delivered(picture: Figure, path: str | Path | None) -> Figure:
     Raises:
         InputError: the suffix names no format, or the place cannot be written.
     """
+    if isinstance(picture, Picture):  # axes of the user's keep the units that they have
+        with_prefixes(picture)
     if path is not None:
         write(picture, path)
     return picture

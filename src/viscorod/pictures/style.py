@@ -9,6 +9,7 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.text_numbers import scaled
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -24,6 +25,9 @@ BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56
 PURPLE = "#CC79A7"
 INK, GREY, LIGHT = "#222222", "#8a8a8a", "#d8d8d8"
 TEXT, SMALL = 11.0, 9.5
+MINUS = "\N{MINUS SIGN}"
+_UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
+"""Of the axes that get a prefix."""
 DPI = 120
 
 
@@ -163,6 +167,24 @@ def label_once(axes: Axes, name: str) -> str:
 
 _NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
 """Names that are in the legends of axes."""
+
+
+def with_prefixes(picture: Figure) -> None:
+    """Give every linear axis whose label ends with a unit, "time [s]", the prefix of what it shows, "time [µs]".
+
+    What is drawn stays as it is; ticks and label tell it in the other unit.
+    """
+    for axes in picture.axes:
+        for axis in (axes.xaxis, axes.yaxis):
+            words, bracket, unit = axis.get_label_text().rpartition(" [")
+            if not bracket or unit[:-1] not in _UNITS or axis.get_scale() != "linear":
+                continue
+            factor, name = scaled(unit[:-1], axis.get_view_interval())
+            if factor != 1.0:
+                axis.set_major_formatter(
+                    lambda value, _, factor=factor: f"{factor * value:g}".replace("-", MINUS)
+                )
+                axis.set_label_text(f"{words} [{name}]")
 
 
 def heading(axes: Axes, text: str) -> None:

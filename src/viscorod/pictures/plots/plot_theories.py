@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.pictures.picture import within
 from viscorod.pictures.style import BLUE, GREEN, INK, ORANGE, TEXT, clean, figure, heading, legend_above
+from viscorod.results.text_numbers import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -58,5 +59,5 @@ def draw_theories(found: TheoryComparison, ax: Axes | None = None) -> Figure:
     legend_above(axes[0], 4)
     if moving:
         heading(axes[1], f"at {found.time[state]:.4g} s")
-        clean(axes[2], "time [s]", f"deflection at {found.s[node]:.4g} m [m]")
+        clean(axes[2], "time [s]", f"deflection at {quantity(found.s[node], 'm', 4)} [m]")
     return picture

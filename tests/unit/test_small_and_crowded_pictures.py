@@ -1,0 +1,132 @@
+"""Pictures of models of micrometres with many parts: prefixes on axes, names beside their rods, bodies, legends."""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from helpers import synthetic_results, viewer_pages
+from viscorod.casefile.case import load_case
+from viscorod.casefile.shipped import shipped_case
+from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.pictures.drawing.bodies_on_paper import corners_of
+from viscorod.pictures.drawing.model_drawing import draw_assembly
+from viscorod.pictures.plots.plot_energy import gravity_potential
+from viscorod.pictures.plots.plot_modes import after_turn, draw_modes
+from viscorod.pictures.style import clean, figure, with_prefixes
+from viscorod.results.run import Run
+
+
+@pytest.fixture(scope="module")
+def comb():
+    return load_case(shipped_case("comb_resonator")).description
+
+
+def test_axes_take_the_prefix_of_what_they_show():
+    picture = figure(5.0, 4.0)
+    axes = picture.add_subplot()
+    axes.plot([0.0, 4e-4], [0.0, 3e9])
+    clean(axes, "time [s]", "pressure [Pa]")
+    with_prefixes(picture)
+    with_prefixes(picture)  # a second time changes nothing
+    picture.draw_without_rendering()
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [µs]", "pressure [GPa]")
+    assert "100" in [text.get_text() for text in axes.get_xticklabels()]
+    assert axes.get_xlim()[1] > 4e-4  # what is drawn stays as it was
+
+
+def test_logarithmic_axes_and_units_that_fit_stay():
+    picture = figure(5.0, 4.0)
+    axes = picture.add_subplot()
+    axes.semilogy([0.0, 2.0], [1e-5, 1e3])
+    clean(axes, "time [s]", "size [m]")
+    with_prefixes(picture)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "size [m]")
+
+
+def boxes(texts, picture):
+    renderer = picture.canvas.get_renderer()
+    return [text.get_window_extent(renderer) for text in texts]
+
+
+def test_names_of_crowded_rods_stand_beside_their_own(comb):
+    """No name crosses a rod or another name; those between close rods are turned."""
+    picture = draw_assembly(comb)
+    picture.draw_without_rendering()
+    (axes,) = picture.axes
+    texts = {text.get_text(): text for text in axes.texts if text.get_text() in comb.rods}
+    assert set(texts) == set(comb.rods)
+    assert {name for name, text in texts.items() if text.get_rotation()} == {
+        name for name in comb.rods if "inner" in name
+    }
+    found = boxes(texts.values(), picture)
+    for k, box in enumerate(found):
+        assert not any(box.overlaps(other) for other in found[k + 1 :])
+    lines = [line for line in axes.lines if line.get_color() == "#0072B2" and line.get_linewidth() > 1.0]
+    for box in found:
+        for line in lines:
+            pixels = axes.transData.transform(line.get_xydata())
+            dense = pixels[:1] + (pixels[-1:] - pixels[:1]) * np.linspace(0.0, 1.0, 200)[:, None]
+            assert not any(box.contains(*point) for point in dense)
+
+
+def test_bodies_cover_what_their_shape_does(comb):
+    picture = draw_assembly(comb)
+    assert len(picture.axes[0].patches) == len(comb.bodies)
+    corners = corners_of(comb.bodies["shuttle"])
+    assert np.ptp(corners, axis=0) == pytest.approx(comb.bodies["shuttle"].sides)
+    model = vr.Model()
+    model.add("ball", vr.Sphere(radius=0.2, centre=(1.0, 2.0, 3.0), density=1000.0))
+    points = corners_of(model.description.bodies["ball"])
+    assert np.linalg.norm(points - [1.0, 2.0, 3.0], axis=1) == pytest.approx(0.2)
+
+
+def test_the_legend_of_a_motion_is_above_its_rods():
+    picture = Run(synthetic_results.swing(zeta=0.05)).plot()
+    picture.draw_without_rendering()
+    axes = picture.axes[1]
+    assert axes.get_legend().get_window_extent().y0 >= axes.get_window_extent().y1 - 1.0
+
+
+def test_cycles_of_hardly_falling_amplitudes_stand_beside_each_other():
+    slow = Run(synthetic_results.swing(zeta=0.002)).plot()
+    assert slow.axes[-1].get_xlabel() == "cycle" or slow.axes[2].get_xlabel() == "cycle"
+    fast = Run(synthetic_results.swing(zeta=0.05)).plot()
+    labels = [axes.get_xlabel() for axes in fast.axes]
+    assert any(label.startswith("mean amplitude of the cycle") for label in labels)
+
+
+def test_potential_of_gravity_of_a_fall():
+    """Free fall from rest: the momentum is m g t, the potential falls by m g^2 t^2/2."""
+    data = synthetic_results.swing(duration=2.0)
+    run = Run(viewer_pages.described(data, loads=[{"kind": "gravity"}]))
+    time, mass, g = run.time, 0.03, 9.80665
+    momentum = np.zeros((time.size, 3))
+    momentum[:, 2] = -mass * g * time
+    fallen = Run(run.data.assign(linear_momentum=(("time", "axis"), momentum)))
+    found = gravity_potential(fallen)
+    assert found == pytest.approx(-0.5 * mass * g**2 * time**2, rel=1e-3, abs=1e-12)
+    still = Run(viewer_pages.described(data))
+    assert gravity_potential(still) is None
+
+
+def test_turned_frames_follow_small_rotations():
+    """A rotation about the own z axis by a small angle, on top of a quarter turn about x."""
+    quarter = np.array([[np.sqrt(0.5), np.sqrt(0.5), 0.0, 0.0]])
+    turned = matrices(after_turn(quarter, np.array([[0.0, 0.0, 0.1]])))[0]
+    frame = matrices(quarter)[0]
+    about = np.array([[np.cos(0.1), -np.sin(0.1), 0.0], [np.sin(0.1), np.cos(0.1), 0.0], [0.0, 0.0, 1.0]])
+    assert turned == pytest.approx(frame @ about)
+
+
+def test_modes_show_bodies_and_coils_side_by_side():
+    model = vr.Model()
+    section = vr.Circle(0.002)
+    material = vr.Material(2e11, 0.3, 7850.0)
+    model.add("coil", vr.Rod.helix(0.02, 0.01, 4.0, section=section, material=material, elements=4))
+    model.clamp("coil.start")
+    modes = model.modes(1)
+    picture = draw_modes(modes, modes)
+    lines = {line.get_label(): line for line in picture.axes[0].lines}
+    rest, mode = (np.nanmean(lines[name].get_xdata()) for name in ("at rest", "mode"))
+    width = np.ptp(lines["at rest"].get_xdata()[np.isfinite(lines["at rest"].get_xdata())])
+    assert mode - rest > 0.8 * width
