@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
 from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import position_of
 from viscorod.pictures.drawing.paper import MOST_NAMES, Paper
@@ -52,19 +53,17 @@ def draw_bodies(paper: Paper, model: ModelDescription, parts: list[ResolvedJoint
 
 def corners_of(body: AnyBody) -> Floats | None:
     """Return points of a body's surface whose hull it fills ``(n, 3)`` [m]; None of a body without a shape."""
-    shape = getattr(body, "shape", None)
-    if shape == "box":
+    if isinstance(body, Box):
         signs = np.array(np.meshgrid(*[(-0.5, 0.5)] * 3)).reshape(3, -1).T
         local = signs * np.asarray(body.sides, dtype=float)
-    elif shape in ("cylinder", "sphere"):
+    elif isinstance(body, Cylinder | Sphere):
         angle = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
         circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(_ROUND)], axis=1)
-        radius = float(body.radius)
-        if shape == "sphere":
-            local = radius * np.concatenate([circle, circle[:, [0, 2, 1]], circle[:, [2, 0, 1]]])
+        if isinstance(body, Sphere):
+            local = body.radius * np.concatenate([circle, circle[:, [0, 2, 1]], circle[:, [2, 0, 1]]])
         else:
-            end = np.array([0.0, 0.0, 0.5 * float(body.length)])
-            local = np.concatenate([radius * circle - end, radius * circle + end])
+            end = np.array([0.0, 0.0, 0.5 * body.length])
+            local = np.concatenate([body.radius * circle - end, body.radius * circle + end])
     else:
         return None
     corners: Floats = body.position() + local @ body.frame().T

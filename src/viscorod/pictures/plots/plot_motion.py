@@ -159,7 +159,8 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     rods += " and bodies" if assembly.bodies else ""
     view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
     colours = time_colours()
-    span = Normalize(start, end if end > start else start + 1.0)
+    last = end if end > start else start + 1.0
+    span = Normalize(start, last)
     if not coiled:
         draw_reference(axes, view, curves, run)
     states = list(zip(times, positions, rotations, shifts, strict=True))
@@ -173,7 +174,7 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
         mark_supports(axes, view, run, positions[0] + shift)
     view.finish(axes, headroom=0.3 if coiled else 0.0)
     clock, second = scaled("s", times)
-    shown = Normalize(clock * span.vmin, clock * span.vmax)
+    shown = Normalize(clock * start, clock * last)
     bar = picture.colorbar(ScalarMappable(shown, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
     bar.set_label(f"time [{second}]", fontsize=TEXT)
     bar.ax.tick_params(labelsize=SMALL)
@@ -182,6 +183,8 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
 
 def _damping(axes: Axes, decay: Decrement) -> None:
     """Draw the damping ratio over the amplitude, or over the number of the cycle where the amplitude hardly falls."""
+    from matplotlib.ticker import MaxNLocator
+
     amplitude, ratio = decay.mean_amplitude, decay.damping_ratio
     scale, unit = scaled("m", amplitude)
     falls = float(amplitude.min()) < _FALLS * float(amplitude.max())
@@ -199,7 +202,7 @@ def _damping(axes: Axes, decay: Decrement) -> None:
         axes.set_xlim(0.0, 1.08 * float(x.max()))
         axes.locator_params(axis="x", nbins=6)
     else:
-        axes.xaxis.get_major_locator().set_params(integer=True)
+        axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         axes.set_xlim(0.5, ratio.size + 0.5)
     axes.set_ylim(1.25 * low, 1.25 * high if high > 0.0 else 0.1)
     legend_over(axes, 1)

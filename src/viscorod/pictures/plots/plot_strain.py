@@ -167,7 +167,8 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
     clean(axes, f"arc length of {rod} [{metre}]", f"{shown.name} [{unit}]")
     colours = time_colours()
     ordered = np.sort(levels)
-    span = Normalize(ordered[0], ordered[-1] if ordered[-1] > ordered[0] else ordered[0] + 1.0)
+    first, last = float(ordered[0]), float(ordered[-1] if ordered[-1] > ordered[0] else ordered[0] + 1.0)
+    span = Normalize(first, last)
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     for at, profile in zip(levels, values, strict=True):
         axes.plot(reach * s, scale * profile, color=colours(span(at)), linewidth=1.6)
@@ -178,7 +179,7 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
         f"{shown.name.capitalize()} at {len(levels)} instants" if word == "time" else shown.name.capitalize(),
     )
     if len(levels) > 1:
-        shown_span = Normalize(clock * span.vmin, clock * span.vmax)
+        shown_span = Normalize(clock * first, clock * last)
         colour_bar(axes.figure, axes, ScalarMappable(shown_span, colours), along)
     else:
         axes.annotate(

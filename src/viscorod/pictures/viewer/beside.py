@@ -80,13 +80,13 @@ class Beside:
                 values = run.history(place, quantity).values
             except InputError:  # it has no such place
                 continue
-            for k, axis in enumerate(names):
-                told = {"name": f"{axis}, {name}", "curve": k, "result": number}
+            for k, word in enumerate(names):
+                told = {"name": f"{word}, {name}", "curve": k, "result": number}
                 found.append((told, self._at(run.time, values[:, k])))
         for number, name, record in self._records:
-            k = _axis_of(record)
-            if k is not None and record.place == place and record.quantity == quantity:
-                told = {"name": f"{names[k]}, {name}", "curve": k, "result": number}
+            axis = _axis_of(record)
+            if axis is not None and record.place == place and record.quantity == quantity:
+                told = {"name": f"{names[axis]}, {name}", "curve": axis, "result": number}
                 found.append((told, self._at(record.times, record.values)))
         return found
 
