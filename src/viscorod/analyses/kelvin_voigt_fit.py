@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -19,6 +19,10 @@ from viscorod.model.materials.material import Material
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["KelvinVoigtFit", "kelvin_voigt_fit"]
 
@@ -98,12 +102,23 @@ class KelvinVoigtFit:
             f"{storage:.2g} % at most, the loss modulus by {loss:.2g} %."
         )
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw storage and loss modulus of both over frequency, and the relative errors; returns the path."""
-        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit  # here: it loads Matplotlib
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw storage and loss modulus of both over frequency, and the relative errors.
 
-        return write(draw_fit(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the moduli alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit
+
+        return delivered(draw_fit(self, ax), path)
 
 
 @checked

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -11,6 +11,10 @@ from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Decay"]
 
@@ -128,19 +132,20 @@ class Decay(StatelessResult):
         return "\n\n".join(blocks)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the samples with what was fitted, what is left over, and the damping ratio over the amplitude.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the samples and what was fitted alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_decay import draw_decay
-        from viscorod.pictures.style import write
 
-        return write(draw_decay(self), path)
+        return delivered(draw_decay(self, ax), path)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -15,6 +15,10 @@ from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["FrequencyResponse"]
 
@@ -205,24 +209,26 @@ class FrequencyResponse(StatelessResult):
         )
 
     @checked
-    def plot(self, path: str | Path, kind: str = "bode") -> Path:
+    def plot(self, path: str | Path | None = None, kind: str = "bode", *, ax: Axes | None = None) -> Figure:
         """Draw the responses.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             kind: "bode" (size and phase over frequency), "nyquist" (in the complex plane) or "space" (both over
                 frequency, in three dimensions).
+            ax: axes of yours to draw into: the sizes of the responses of the first unit, or the first response in the
+                complex plane or in space.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: there is no such kind, or the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_response import draw_response
-        from viscorod.pictures.style import write
 
-        return write(draw_response(self, kind), path)
+        return delivered(draw_response(self, kind, ax), path)
 
     @staticmethod
     def _number(what: str, given: str | int, known: tuple[str, ...]) -> int:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -14,6 +14,10 @@ from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["MasterCurve"]
 
@@ -222,19 +226,20 @@ class MasterCurve(StatelessResult):
         return Path(path)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the moduli over reduced frequency and the shifts over temperature with their laws.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the moduli alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_master_curve import draw_master_curve
-        from viscorod.pictures.style import write
 
-        return write(draw_master_curve(self), path)
+        return delivered(draw_master_curve(self, ax), path)

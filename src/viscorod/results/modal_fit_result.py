@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["ModalFit"]
 
@@ -85,19 +89,20 @@ class ModalFit(StatelessResult):
         return "\n\n".join(blocks)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the size of the responses with the modes, and the damping ratios over the frequency.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the responses alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_modal_fit import draw_modal_fit
-        from viscorod.pictures.style import write
 
-        return write(draw_modal_fit(self), path)
+        return delivered(draw_modal_fit(self, ax), path)

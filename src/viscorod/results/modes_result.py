@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
@@ -12,6 +12,10 @@ from viscorod.checks import checked
 from viscorod.results.result import Result
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Modes"]
 
@@ -149,12 +153,31 @@ class Modes(Result):
         return str(self.data.attrs.get("mode_about", "a state"))
 
     @checked
-    def plot(self, path: str | Path, count: int | None = None) -> Path:
-        """Draw the modes, or the first ``count`` of them; returns the path."""
-        from viscorod.pictures.plots.plot_modes import draw_modes
-        from viscorod.pictures.style import write
+    def plot(
+        self,
+        path: str | Path | None = None,
+        count: int | None = None,
+        *,
+        number: int | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the modes.
 
-        return write(draw_modes(self, self, count), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            count: how many are drawn, all by default; number: of one that is drawn alone, from 1.
+            ax: axes of yours to draw into: one mode, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such mode, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_modes import draw_modes
+
+        return delivered(draw_modes(self, self, count, number, ax), path)
 
     def _values(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)

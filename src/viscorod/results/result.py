@@ -22,6 +22,8 @@ from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from viscorod.results.derivative import Derivative
     from viscorod.results.probe import Places
@@ -279,25 +281,72 @@ class Result(ABC):
         return validity_of(self)
 
     @checked
-    def plot_stress(self, path: str | Path, place: str | int, time: float | None = None) -> Path:
+    def plot_stress(
+        self,
+        path: str | Path | None = None,
+        place: str | int | None = None,
+        time: float | None = None,
+        *,
+        ax: Axes | None = None,
+    ) -> Figure:
         """Draw axial stress, shear stress and von Mises stress over the section at a place.
 
         Args:
-            path: picture to write; the suffix determines the format (.png, .pdf, .svg).
-            place: on a rod, see ``stress``.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            place: on a rod, see ``stress``; by default that of the largest von Mises stress.
             time: of a run [s]; by default the stored one with the largest von Mises stress there. Equilibria and steady
                 rotations show their last state.
+            ax: axes of yours to draw into: the von Mises stress alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: as of ``stress``, or a time outside the run, or of what is no run.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_stress import draw_stress
-        from viscorod.pictures.style import write
 
-        return write(draw_stress(self, place, time), path)
+        return delivered(draw_stress(self, self._most_stressed() if place is None else place, time, ax), path)
+
+    def _most_stressed(self) -> str:
+        """Return the place with the largest von Mises stress of all states."""
+        from viscorod.results.largest_stress import largest_stress
+
+        found = largest_stress(self)
+        if found is None:
+            raise InputError(
+                "place: the sections of this result have no known points; name a place for the reason"
+            )
+        return f"{found.rod}@{found.s!r}"
+
+    @checked
+    def plot_strain(
+        self,
+        path: str | Path | None = None,
+        component: str | None = None,
+        rod: str | None = None,
+        *,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the strains: the largest of every component over time or load, and one of them along a rod.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            component: "shear_1", "shear_2", "stretch", "bend_1", "bend_2" or "twist"; by default what changes most.
+            rod: by default the one where it changes most.
+            ax: axes of yours to draw into: the profiles along the rod alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such component or rod, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_strain import draw_strain
+
+        return delivered(draw_strain(self, component, rod, ax), path)
 
     @cached_property
     def recorded_rods(self) -> RecordedRods:

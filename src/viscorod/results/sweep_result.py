@@ -23,6 +23,8 @@ from viscorod.results.text_table import table
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from viscorod.results.any_result import AnyResult
 
@@ -225,6 +227,34 @@ class Sweep:
 
     def __str__(self) -> str:
         return self.report()
+
+    @checked
+    def plot(
+        self,
+        path: str | Path | None = None,
+        *,
+        name: str | None = None,
+        x: str | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw numbers of the members over a parameter, a line for every combination of the others.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            name: of a number that is drawn alone: a quantity, or another column of ``table``.
+            x: the parameter, by default the first.
+            ax: axes of yours to draw into: one number, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such number or parameter, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_sweep import draw_sweep
+
+        return delivered(draw_sweep(self, name, x, ax), path)
 
     @checked
     def save(self, path: str | Path) -> Path:

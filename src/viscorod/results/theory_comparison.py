@@ -6,11 +6,16 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from viscorod.results.text_table import listed, table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["TheoryComparison", "TheorySolution"]
 
@@ -128,12 +133,23 @@ class TheoryComparison:
             verdict = f"{self.theories[self.enough].title} is enough (within {100.0 * self.within:.3g} %)"
         return f"For {what} {verdict}: {errors}."
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw deflections and bending moments of all theories; returns the path."""
-        from viscorod.pictures.plots.plot_theories import draw_theories  # here: it loads Matplotlib
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw deflections and bending moments of all theories.
 
-        return write(draw_theories(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the deflections alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_theories import draw_theories
+
+        return delivered(draw_theories(self, ax), path)
 
     def __str__(self) -> str:
         header = (
