@@ -40,6 +40,7 @@ if TYPE_CHECKING:
 
 _SNAPSHOTS = 13
 _SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
+_SHORT = 16  # letters of a place that an axis has room for
 _FALLS = 0.7  # part of the largest amplitude to which it falls where ratios are drawn over it
 _ROOM = 0.035  # of the number of a cycle, as a part of the largest amplitude
 _BETWEEN, _ENOUGH = 8, 4000  # points drawn from one stored time to the next, and in all
@@ -90,7 +91,7 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
     values = run.history(place, "displacement").sel(axis=axis).values
     scale, unit = scaled("m", values)
     clock, second = scaled("s", run.time)
-    clean(axes, f"time [{second}]", f"displacement {axis} [{unit}]")
+    clean(axes, f"time [{second}]", f"displacement {axis}{of_place(place)} [{unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     lone = "o" if run.time.size == 1 else None
     time, curve = _curve(run.time, values, run.history(place, "velocity").sel(axis=axis).values)
@@ -125,6 +126,11 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
         room = 0.05 * (top - bottom)
         axes.set_ylim(bottom - room, top + room)
     legend_above(axes, 3)
+
+
+def of_place(place: str) -> str:
+    """Return the place for the label of an axis, unless it is so long that the legend alone has room for it."""
+    return f" of {place}" if len(place) <= _SHORT else ""
 
 
 def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.pictures.picture import within
-from viscorod.pictures.plots.plot_motion import chosen_motion
+from viscorod.pictures.plots.plot_motion import chosen_motion, of_place
 from viscorod.pictures.style import (
     GREY,
     INK,
@@ -60,7 +60,7 @@ def draw_phase(
     points = np.stack([scale * x, rate * v], axis=-1)
     picture = titled(run, 7.6, 6.0) if ax is None else within(ax)
     axes = ax or picture.add_subplot()
-    clean(axes, f"displacement {axis} [{unit}]", f"velocity {axis} [{rate_unit}]")
+    clean(axes, f"displacement {axis}{of_place(place)} [{unit}]", f"velocity {axis} [{rate_unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
     segments = np.stack([points[:-1], points[1:]], axis=1)

@@ -67,7 +67,7 @@ def draw_strain(
             axes = picture.add_subplot(grid[0, column])
             first = 3 * column
             scale, unit = _percent(size[:, :3]) if column == 0 else scaled("1/m", size[:, 3:])
-            clean(axes, along, f"largest along the rods [{unit}]")
+            clean(axes, along, f"largest size along the rods [{unit}]")
             for k, (word, colour) in enumerate(zip(words, (BLUE, ORANGE, GREEN), strict=True)):
                 style = ("-", "--", ":")[k]
                 axes.plot(
