@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
@@ -181,10 +182,18 @@ def with_prefixes(picture: Figure) -> None:
                 continue
             factor, name = scaled(unit[:-1], axis.get_view_interval())
             if factor != 1.0:
-                axis.set_major_formatter(
-                    lambda value, _, factor=factor: f"{factor * value:g}".replace("-", MINUS)
-                )
+                axis.set_major_formatter(_times(factor))
                 axis.set_label_text(f"{words} [{name}]")
+
+
+def _times(factor: float) -> Callable[[float, object], str]:
+    """Return what writes the number of a tick in another unit."""
+
+    def shown(value: float, place: object) -> str:
+        del place
+        return f"{factor * value:g}".replace("-", MINUS)
+
+    return shown
 
 
 def heading(axes: Axes, text: str) -> None:
