@@ -26,7 +26,7 @@ def test_motion_has_history_snapshots_and_damping():
     assert "Rod in the xy plane, first period" in titles
     history = figure.axes[0]
     legend = [text.get_text() for text in history.get_legend().get_texts()]
-    assert legend[2] == "envelope of the last cycles, exp(\N{MINUS SIGN}0.18 t/s)"
+    assert legend[2] == "envelope of the last cycles, exp(\N{MINUS SIGN}t / 5.56 s)"
     envelope = next(line for line in history.lines if line.get_linestyle() == "--")
     time = envelope.get_xdata()
     assert envelope.get_ydata() == pytest.approx(0.2 * np.exp(-0.05 * 3.6 * time), rel=1e-5)

@@ -74,9 +74,7 @@ def test_bodies_cover_what_their_shape_does(comb):
     assert len(picture.axes[0].patches) == len(comb.bodies)
     corners = corners_of(comb.bodies["shuttle"])
     assert np.ptp(corners, axis=0) == pytest.approx(comb.bodies["shuttle"].sides)
-    model = vr.Model()
-    model.add("ball", vr.Sphere(radius=0.2, centre=(1.0, 2.0, 3.0), density=1000.0))
-    points = corners_of(model.description.bodies["ball"])
+    points = corners_of(vr.Sphere(radius=0.2, centre=(1.0, 2.0, 3.0), density=1000.0))
     assert np.linalg.norm(points - [1.0, 2.0, 3.0], axis=1) == pytest.approx(0.2)
 
 
