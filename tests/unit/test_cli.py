@@ -1,5 +1,6 @@
 """The command line: exit codes, messages, files. Solutions are stood in for by results in closed form."""
 
+import json
 import re
 import subprocess
 import sys
@@ -18,6 +19,7 @@ from helpers.synthetic_results import rolled_up, swing
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli.app import app
 from viscorod.cli.progress import reporting
+from viscorod.results.result_numbers import numbers_of, plain
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.validity import Condition, Validity
 from viscorod.solve.settings.course import Course
@@ -117,6 +119,54 @@ def test_run_writes_files_and_prints_the_report(invoke, solving, tmp_path):
     assert isinstance(vr.load(tmp_path / "results" / "run.nc"), Run)
 
 
+def test_quiet_and_json_and_the_report_again(invoke, solving, tmp_path):
+    """Numbers as JSON are those of the result; a result that is there is named before it is replaced."""
+    run = Run(swing(zeta=0.05))
+    solving(run, SimulateSettings(duration=10.0))
+    silent = invoke("run", "case.toml", "-o", "results", "-q")
+    assert (silent.exit_code, silent.output) == (0, "")
+    told = invoke("run", "case.toml", "-o", "results", "--json")
+    assert told.exit_code == 0, told.output
+    found = json.loads(told.stdout)
+    assert told.stderr == ""
+    assert found["kind"] == "simulate"
+    assert found["decay"]["damping_ratio"] == pytest.approx(run.decrement("beam.end", "y").damping_ratio)
+    assert found["energy"]["end"]["kinetic"] == float(run.energy.kinetic[-1])
+    assert found["places"]["beam.end"]["position"] == pytest.approx(
+        run.history("beam.end").values[-1].tolist()
+    )
+    assert [path.rpartition("/")[2] for path in found["written"]] == ["run.nc", "motion.png", "energy.png"]
+    loud = invoke("run", "case.toml", "-o", "results")
+    assert re.search(r"note: results/run\.nc of \d{4}-\d\d-\d\d \d\d:\d\d is replaced", loud.stderr)
+    again = invoke("report", "results/run.nc")
+    assert again.stdout == vr.load(tmp_path / "results" / "run.nc").report() + "\n"
+    assert json.loads(invoke("report", "results/run.nc", "--json").stdout)["decay"] == found["decay"]
+    assert max(map(len, loud.stdout.splitlines())) <= 80
+
+
+def test_numbers_of_every_kind_are_plain():
+    """No NaN and nothing but what JSON knows."""
+    for result in (Run(swing(duration=1.0)), Equilibrium(rolled_up())):
+        text = json.dumps(numbers_of(result), allow_nan=False)
+        assert json.loads(text)["outcome"] == "completed"
+    assert plain({"a": np.array([1.0, np.nan]), "b": 1j, "c": np.int64(3)}) == {
+        "a": [1.0, None],
+        "b": [0.0, 1.0],
+        "c": 3,
+    }
+
+
+def test_help_is_short_too_and_lists_whole_sentences(invoke):
+    assert invoke("-h").output == invoke("--help").output
+    text = " ".join(invoke("-h").output.split())
+    assert (
+        "Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run." in text
+    )
+    assert "..." not in text
+    assert invoke("run", "-h").exit_code == 0
+    assert "--install-completion" in text
+
+
 def test_run_of_an_equilibrium_and_default_folder(invoke, solving, tmp_path):
     solving(Equilibrium(rolled_up()), EquilibriumSettings())
     result = invoke("run", "case.toml")
@@ -193,6 +243,9 @@ def test_check_draws_the_model_where_it_is_told(invoke, tmp_path):
     assert result.exit_code == 0, result.output
     assert (tmp_path / "pictures" / "assembly.png").stat().st_size > 10_000
     assert "Written: pictures/assembly.png" in result.stdout
+    told = json.loads(invoke("check", "cantilever_swing.toml", "-o", "pictures", "--json").stdout)
+    assert told["rods"][0]["length [m]"] == pytest.approx(0.3)
+    assert len(told["frequencies"]) == len(told["damping_ratios"]) == len(told["mode_names"])
     (tmp_path / "taken").write_text("")
     refused = invoke("check", "cantilever_swing.toml", "-o", "taken")
     assert refused.exit_code == 2
@@ -202,6 +255,10 @@ def test_check_draws_the_model_where_it_is_told(invoke, tmp_path):
 def test_example_lists_and_copies(invoke, tmp_path):
     listed = invoke("example").stdout
     assert "cantilever_swing" in listed
+    assert "needs 'viscorod[sections]'" in next(
+        line for line in listed.splitlines() if "damped_strip" in line
+    )
+    assert listed.count("needs") == 1
     copied = invoke("example", "cantilever_swing", "-o", "mine")
     assert copied.exit_code == 0
     target = tmp_path / "mine" / "cantilever_swing.toml"
