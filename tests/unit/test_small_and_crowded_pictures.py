@@ -43,6 +43,16 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "size [m]")
 
 
+def test_axes_of_one_scale_keep_one_unit():
+    picture = figure(5.0, 4.0)
+    axes = picture.add_subplot()
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.plot([0.0, 1.0], [0.0, 1e-3])
+    clean(axes, "x [m]", "z [m]")
+    with_prefixes(picture)
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("x [m]", "z [m]")
+
+
 def boxes(texts, picture):
     renderer = picture.canvas.get_renderer()
     return [text.get_window_extent(renderer) for text in texts]

@@ -176,6 +176,8 @@ def with_prefixes(picture: Figure) -> None:
     What is drawn stays as it is; ticks and label tell it in the other unit.
     """
     for axes in picture.axes:
+        if axes.get_aspect() != "auto":  # of both axes alike, which the view chose
+            continue
         for axis in (axes.xaxis, axes.yaxis):
             words, bracket, unit = axis.get_label_text().rpartition(" [")
             if not bracket or unit[:-1] not in _UNITS or axis.get_scale() != "linear":
