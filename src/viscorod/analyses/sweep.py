@@ -6,7 +6,7 @@ import copy
 import pickle
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -15,7 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from viscorod.analyses.case_run import discretised_case, run_case
-from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
+from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
@@ -28,7 +28,8 @@ from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
 from viscorod.results.sweep_figures import figures_of
-from viscorod.results.sweep_result import COMPLETED, NOT_RUN, Sweep, SweepRun
+from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found, FoundMembers, Rows, SweepMembers
+from viscorod.results.sweep_result import Sweep
 from viscorod.solve.settings.motion import SimulateSettings
 
 __all__ = ["sweep"]
@@ -41,7 +42,6 @@ LOOKED_AT = 2000
 """Members that are looked at before any is computed."""
 MOST_ERRORS = 64
 """Members whose errors are estimated unless told otherwise."""
-LEFT_OUT: Found = (None, "", NOT_RUN)
 UNFINISHED = ("interrupted", NOT_RUN)
 """Outcomes of members that are computed again by the next call."""
 
@@ -112,52 +112,60 @@ def sweep(
         notes.append(
             f"errors of mesh and steps are estimated for {len(looked)} of {len(rows)} members (errors)"
         )
-    names = [""] * len(rows)
+    names: list[str] = []
     work = MemberWork(case.content, case.title, case.source, wanted, keep, None)
-    found: dict[int, Found] = {}
+    found = FoundMembers(len(rows))
     if folder is not None:
         store = SweepFolder(Path(folder).absolute())
         work = replace(work, folder=store)
         names = member_names(case, rows, wanted, keep)
         store.begin(case.title, rows, names, notes)
-        known = store.finished()
-        found = {k: store.parts(name, known[name]) for k, name in enumerate(names) if name in known}
+        store.take(names, found)
     due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
-    jobs = [(rows[k], names[k], k in looked) for k in due]
+    jobs = _Jobs(rows, names, looked)
 
-    def recover(numbers: Sequence[int]) -> dict[int, Found]:
-        finished = {} if work.folder is None else work.folder.finished()
-        return {
-            n: work.folder.parts(jobs[n][1], finished[jobs[n][1]])
-            for n in numbers
-            if work.folder is not None and jobs[n][1] in finished
-        }
+    def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
+        if work.folder is None:
+            return {}
+        again = FoundMembers(len(rows))
+        work.folder.take([names[k] if k in numbers else "" for k in range(len(rows))], again)
+        return again
 
     def told(done: float) -> None:
         if progress is not None:
-            progress(len(rows) - len(jobs) + done)
+            progress(len(rows) - len(due) + done)
 
     broken = ""
     with _stopping() as stop, little_garbage():
-        if not jobs:
-            computed: list[Found] = []
+        if not due:
             told(0.0)
         elif count is None:
             with opened(executor) as engine:
-                computed, broken = through(engine, work, jobs, stop, told, recover)
-        elif min(count, len(jobs)) == 1 and (executor is None or count == 1):
-            computed = _alone(work, jobs, stop, told)
+                broken = through(engine, work, jobs, due, found, stop, told, recover)
+        elif min(count, len(due)) == 1 and (executor is None or count == 1):
+            _alone(work, jobs, due, found, stop, told)
         else:
             _require_sendable(work)
-            computed = in_parallel(work, jobs, min(count, len(jobs)), stop, told)
+            in_parallel(work, jobs, due, found, min(count, len(due)), stop, told)
         stopped = stop.is_set()
-    found |= dict(zip(due, computed, strict=True))
-    runs = [SweepRun(k, row, *found.get(k, LEFT_OUT)) for k, row in enumerate(rows)]
-    result = Sweep(runs, case.title, notes)
+    result = Sweep(SweepMembers(rows, found), case.title, notes)
     if stopped or broken:
         why = broken or "The sweep was stopped"
-        raise SolveError(f"{why}; {len(result.completed)} of {len(rows)} members are done", result)
+        raise SolveError(f"{why}; {result.count_completed} of {len(rows)} members are done", result)
     return result
+
+
+class _Jobs(Sequence[tuple[Row, str, bool]]):
+    """What workers are told of each member: its values, its name, and whether its errors are estimated."""
+
+    def __init__(self, rows: Rows, names: Sequence[str], looked: set[int]) -> None:
+        self._rows, self._names, self._looked = rows, names, looked
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, at: Any) -> Any:
+        return self._rows[at], self._names[at] if self._names else "", at in self._looked
 
 
 def _estimated(count: int, errors: int | None, keep: bool) -> set[int]:
@@ -322,18 +330,23 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, f"{type(error).__name__}: {error}", FAILED
 
 
-def _alone(work: MemberWork, jobs: Sequence[Any], stop: threading.Event, progress: Progress) -> list[Found]:
+def _alone(
+    work: MemberWork,
+    jobs: Sequence[Any],
+    due: Sequence[int],
+    found: MutableMapping[int, Found],
+    stop: threading.Event,
+    progress: Progress,
+) -> None:
     """Compute one member after the other, in this process."""
-    found: list[Found] = []
-    for k, job in enumerate(jobs):
+    for k, number in enumerate(due):
 
         def tell(part: float, *, k: int = k) -> None:
             progress(k + part)
 
-        found.append(UNTOUCHED if stop.is_set() else work(job, tell, stop.is_set))
+        found[number] = UNTOUCHED if stop.is_set() else work(jobs[number], tell, stop.is_set)
         if not stop.is_set():
             progress(k + 1.0)
-    return found
 
 
 @contextmanager

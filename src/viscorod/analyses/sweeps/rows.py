@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import itertools
+import math
 import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.results.sweep_members import Rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -28,7 +29,7 @@ _ADVICE = "give a key of the case file with a list of values: {'rods.beam.elemen
 
 def rows_of(
     values: Values | None, grid: Columns | None = None, constants: Mapping[str, Any] | None = None
-) -> list[Row]:
+) -> Rows:
     """Return the values of every member, plain numbers, texts and lists.
 
     Args:
@@ -41,26 +42,36 @@ def rows_of(
     """
     if values is None and grid is None:
         raise InputError(Fault("values", "", "there is nothing to vary", _ADVICE))
-    rows = [{}] if values is None else _rows(values)
+    varied, count = ({}, 1) if values is None else _varied(values)
     crossed = {} if grid is None else _columns(grid)
     same = {} if constants is None else {str(key): _plain(value) for key, value in constants.items()}
-    keys = [*rows[0], *crossed, *same]
+    keys = [*varied, *crossed, *same]
     for key in keys:
         if keys.count(key) > 1:
             why = "the key is given twice, among values, grid and constants"
             raise InputError(Fault(key, "", why, "leave one of them out"))
-    combinations = [dict(zip(crossed, found, strict=True)) for found in itertools.product(*crossed.values())]
-    rows = [row | combination | same for row in rows for combination in combinations]
-    if not rows or not rows[0]:
+    if not keys:
         raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
-    return rows
+    inner = math.prod(map(len, crossed.values()))
+    columns = {key: [value for value in column for _ in range(inner)] for key, column in varied.items()}
+    each = inner
+    for key, column in crossed.items():
+        each //= len(column)
+        times = count * inner // (each * len(column))
+        columns[key] = [value for value in column for _ in range(each)] * times
+    columns |= {key: [value] * (count * inner) for key, value in same.items()}
+    return Rows(columns, count * inner)
 
 
-def _rows(values: Any) -> list[Row]:
+def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
+    """Return columns that vary together, and how long they are."""
     if isinstance(values, str | Path):
         values = _table(Path(values))
     if hasattr(values, "to_dict") and hasattr(values, "columns"):
-        values = values.to_dict("records")
+        if not values.columns.is_unique:
+            twice = str(values.columns[values.columns.duplicated()][0])
+            raise InputError(Fault(twice, "", "the table has this column twice", "leave one of them out"))
+        values = {str(key): values[key].tolist() for key in values.columns}
     if isinstance(values, Mapping):
         columns = _columns(values)
         lengths = {key: len(column) for key, column in columns.items()}
@@ -70,18 +81,19 @@ def _rows(values: Any) -> list[Row]:
                 found, why = f"{length} values", f"{first} has {count}; they vary together"
                 instead = "give every key one value per member, or every combination with grid"
                 raise InputError(Fault(key, found, why, instead))
-        rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
     else:
         if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
             raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
-        rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
-        for k, row in enumerate(rows):
-            if list(row) != list(rows[0]):
-                found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
+        for k, row in enumerate(values):
+            if list(row) != list(values[0]):
+                found = f"the keys {', '.join(map(str, row))}"
+                why = f"the first member has {', '.join(map(str, values[0]))}"
                 raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
-    if not rows or not rows[0]:
+        count = len(values)
+        columns = {str(key): [_plain(row[key]) for row in values] for key in (values[0] if values else ())}
+    if not columns or not count:
         raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
-    return rows
+    return columns, count
 
 
 def _columns(values: Any) -> dict[str, Sequence[Any]]:
