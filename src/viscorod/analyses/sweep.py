@@ -8,7 +8,7 @@ import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -95,7 +95,7 @@ def sweep(
 
     Raises:
         InputError: a key, a value or a quantity is wrong; nothing has been computed. Of more than 2000 members only the
-            first are looked at before; wrong ones among the others have the outcome "refused".
+            first that are due are looked at before; wrong ones among the others have the outcome "refused".
         SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
     """
     if not isinstance(case, Case):
@@ -107,21 +107,20 @@ def sweep(
     wanted = quantities_of(quantities or {}, case.kind, rows[0])
     keep = not wanted if fields is None else bool(fields)
     looked = _estimated(len(rows), errors, keep)
-    notes = _checked(case, rows, wanted, keep)
-    if errors is None and len(looked) < len(rows):
-        notes.append(
-            f"errors of mesh and steps are estimated for {len(looked)} of {len(rows)} members (errors)"
-        )
     names: list[str] = []
-    work = MemberWork(case.content, case.title, case.source, wanted, keep, None)
     found = FoundMembers(len(rows))
-    if folder is not None:
-        store = SweepFolder(Path(folder).absolute())
-        work = replace(work, folder=store)
+    store = None if folder is None else SweepFolder(Path(folder).absolute())
+    if store is not None:
         names = member_names(case, rows, wanted, keep)
-        store.begin(case.title, rows, names, notes)
         store.take(names, found)
-    due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
+    due = [k for k in _chosen(len(rows), members) if k not in found]
+    # what is there already was looked at before
+    notes = _checked(case, [rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])], wanted, keep)
+    if errors is None and len(looked) < len(rows):
+        notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
+    if store is not None:
+        store.begin(case.title, rows, names, notes)
+    work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
     jobs = _Jobs(rows, names, looked)
 
     def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
@@ -168,6 +167,24 @@ class _Jobs(Sequence[tuple[Row, str, bool]]):
         return self._rows[at], self._names[at] if self._names else "", at in self._looked
 
 
+def _chosen(count: int, members: slice | None) -> range:
+    """Return the numbers of the members that a call is to compute."""
+    if members is None:
+        return range(count)
+    if not isinstance(members, slice):
+        raise InputError(Fault("members", show(members), "a slice is needed here", "give slice(100, 200)"))
+    try:
+        chosen = range(count)[members]
+    except (TypeError, ValueError):
+        raise InputError(
+            Fault("members", show(members), "no numbers of members", "give slice(100, 200)")
+        ) from None
+    if not chosen:
+        why = f"none of the {count} members, which count from 0, is among them"
+        raise InputError(Fault("members", show(members), why, f"give slice(0, {count})"))
+    return chosen
+
+
 def _estimated(count: int, errors: int | None, keep: bool) -> set[int]:
     """Return the numbers of the members of ``count`` whose errors are estimated."""
     if errors is not None and (isinstance(errors, bool) or not isinstance(errors, int) or errors < 0):
@@ -181,7 +198,7 @@ def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], ke
     notes: list[str] = []
     problems: dict[tuple[str, str], Fault] = {}
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
-    for k, row in enumerate(rows[:LOOKED_AT]):
+    for k, row in enumerate(rows):
         try:
             content, note = member_content(case.content, case.source, row, keep)
             member = case_from_dict(content, case.source)
@@ -281,7 +298,11 @@ class MemberWork:
         }
         stored = result if self.keep else None
         if self.folder is not None and outcome not in UNFINISHED:
-            stored = self.folder.add(name, parts, stored)
+            try:
+                stored = self.folder.add(name, parts, stored)
+            except (OSError, InputError) as error:  # a full disk; the next call computes it again
+                why = f"it was computed, but cannot be kept in {self.folder.path} ({error})"
+                return None, why, FAILED, numbers, parts["measured"]
         return stored, *parts.values()
 
 

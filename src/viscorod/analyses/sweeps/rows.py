@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
@@ -24,6 +26,7 @@ if TYPE_CHECKING:
 else:
     Values = Any
 
+_UNIT = re.compile(r"(.*\S)\s+\[([^\[\]]+)\]")
 _ADVICE = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
 
 
@@ -110,27 +113,59 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _table(path: Path) -> pd.DataFrame:
-    """Read a table whose heads are keys; cells in [brackets] are lists as in a case file."""
+def _table(path: Path) -> dict[str, Sequence[Any]]:
+    """Read a table whose heads are keys, with a unit if they have one: "rods.beam.length [mm]".
+
+    Cells in [brackets] are lists as in a case file; lines that begin with # are comments.
+    """
     import pandas as pd
 
     try:
-        table = pd.read_csv(path)
-    except (OSError, ValueError) as error:
+        table = pd.read_csv(
+            path, comment="#", header=None, dtype=str, skipinitialspace=True, encoding="utf-8-sig"
+        )
+        heads = [str(head).strip() for head in table.iloc[0].fillna("")]
+        table = table.iloc[1:]
+    except (OSError, ValueError, IndexError) as error:
         why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"
         instead = "give a CSV file whose first line has keys of the case file"
         raise InputError(Fault("values", str(path), why, instead)) from None
-    gaps = [str(name) for name in table.columns if table[name].isna().any()]
+    if "" in heads:
+        why = f"column {heads.index('') + 1} has no head; it may be the index that pandas writes"
+        raise InputError(Fault("values", str(path), why, "write it with to_csv(path, index=False)"))
+    keys = [_UNIT.sub(r"\1", head) for head in heads]
+    for key in keys:
+        if keys.count(key) > 1:
+            why = f"two columns are called {key}"
+            raise InputError(Fault("values", str(path), why, "leave one of them out"))
+    table.columns = pd.Index(heads)
+    gaps = [name for name in heads if table[name].isna().any()]
     if gaps or not len(table):
         why = f"cells of {', '.join(gaps)} are empty" if gaps else "the table has no rows"
         raise InputError(Fault("values", str(path), why, "give every member a value of every key"))
-    return table.map(_cell)
+    found: dict[str, Sequence[Any]] = {}
+    for key, head in zip(keys, heads, strict=True):
+        unit, column = _UNIT.fullmatch(head), _numbers(table[head].tolist())
+        found[key] = [f"{value} {unit[2]}" for value in column] if unit else column
+    return found
 
 
-def _cell(value: Any) -> Any:
-    if isinstance(value, str) and value.lstrip().startswith("["):
+def _numbers(texts: Sequence[str]) -> Sequence[Any]:
+    """Return the cells of a column: whole numbers if all are, numbers if all are, else each as it may be read."""
+    for kind in (int, float):
         try:
-            return tomllib.loads(f"value = {value}")["value"]
+            return [kind(text) for text in texts]
+        except ValueError:
+            continue
+    return [_cell(text.strip()) for text in texts]
+
+
+def _cell(text: str) -> Any:
+    with suppress(ValueError):
+        return float(text)
+    if text.startswith("[") or text in ("true", "false"):
+        try:
+            return tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError:
-            return value
-    return value
+            return text
+    return text
