@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequenc
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
 
 import numpy as np
 
@@ -54,8 +54,7 @@ class SweepRun:
     def result(self) -> AnyResult | None:
         """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
         if isinstance(self.stored, Path):
-            found: Any = load(self.stored)
-            return found  # type of one member, never that of a sweep
+            return cast("AnyResult", load(self.stored))  # a member is no sweep
         return self.stored
 
     @property
@@ -164,7 +163,7 @@ class FoundMembers(MutableMapping[int, Found]):
 
     def outcomes(self) -> list[str]:
         """Return the outcomes of all members."""
-        return [self._outcomes[max(0, code)] for code in self._outcome]
+        return [self._outcomes[max(0, code)] for code in self._outcome.tolist()]
 
     def told(self) -> dict[int, str]:
         """Return the messages, by member, in order."""
