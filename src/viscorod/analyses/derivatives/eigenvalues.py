@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from viscorod.analyses.derivatives.differentiate import attributes, record_static
+from viscorod.analyses.derivatives.differentiate import record_static
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
@@ -173,7 +173,7 @@ def _derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, attributes(result))
+        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, one.attributes(result))
         s = result.eigenvalues + one.change * rates
         kept: dict[str, Any] = {
             "mode_name": ("small_motion", result.data["mode_name"].values),
