@@ -17,7 +17,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
-from viscorod.results.derivative import Derivative
+from viscorod.results.derivative import Derivative, Part
 from viscorod.results.run import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
@@ -107,7 +107,9 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        parts.append((one.weight, kind.later(partial(_dataset, kind.kind, one, history, result))))
+        parts.append(
+            Part(one.weight, one.change, kind.later(partial(_dataset, kind.kind, one, history, result)))
+        )
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
