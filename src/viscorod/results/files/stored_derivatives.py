@@ -91,9 +91,10 @@ def _restored(result: Any, group: xr.Dataset) -> Derivative[Any]:
     """Return a derivative from its group."""
     attrs = group.attrs
     parts = []
+    kind: Any = type(result)
     own = json.loads(str(attrs["attributes"]))
     for (weight, change), more in zip(json.loads(str(attrs["parts"])), own, strict=True):
-        near = type(result).__new__(type(result))
+        near = kind.__new__(kind)
         near.data = _moved(result.data, group, float(change)).assign_attrs(more)
         parts.append(Part(float(weight), float(change), near))
     notes = [str(note) for note in json.loads(str(attrs["notes"]))]
