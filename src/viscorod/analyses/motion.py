@@ -129,9 +129,13 @@ def _motion(
 
     ends: list[float] = []
 
-    def after_step() -> str:
+    def progress(end: float, h: float) -> None:
         if options.derivatives:
-            ends.append(integrator.t)
+            ends.append(end)
+        if options.progress is not None:
+            options.progress(end, h)
+
+    def after_step() -> str:
         if written is not None:
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
@@ -142,11 +146,11 @@ def _motion(
         state,
         settings.duration,
         output_interval=settings.output_interval,
-        progress=options.progress,
+        progress=progress if options.derivatives else options.progress,
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
-        patient=not options.derivatives and (options.stop is None or getattr(options.stop, "patient", False)),
+        patient=options.stop is None or getattr(options.stop, "patient", False),
         notes=_Noted(discrete.watch, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
