@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.paraview_files import states_of
 from helpers.rigid_motions import LENGTH, along, director, rigid, tumbling, with_body
 from helpers.synthetic_results import LENGTH as ARC
 from helpers.synthetic_results import rolled_up, swing
@@ -147,27 +148,7 @@ def test_wrong_commands(files, monkeypatch, arguments, message):
 
 @pytest.fixture
 def states():
-    """What ParaView's reader makes of a file: times, and a function from the number of a state to blocks by name."""
-    pyvista = pytest.importorskip("pyvista", reason="reading files for ParaView back needs pyvista")
-    from vtkmodules.vtkIOHDF import vtkHDFReader
-
-    def opened(path):
-        reader = vtkHDFReader()
-        reader.SetFileName(str(path))
-        reader.UpdateInformation()
-        with h5py.File(path) as file:
-            times = file["VTKHDF/rods/Steps/Values"][()].tolist()
-        assert reader.GetNumberOfSteps() == len(times)
-
-        def state(number):
-            reader.SetStep(number)
-            reader.Update()
-            found = pyvista.wrap(reader.GetOutputDataObject(0))
-            return {name: found[name].copy() for name in list(found.keys())}
-
-        return times, state
-
-    return opened
+    return states_of
 
 
 def test_round_trip_of_a_motion(states, files):

@@ -191,7 +191,7 @@ class _Part:
         made: h5py.Dataset = home.create_dataset(
             name,
             (rows, *shape),
-            dtype=np.float32 if home is self.data else np.float64,
+            dtype=np.float64,
             chunks=(piece, *shape),
             **_FILTER,
         )
