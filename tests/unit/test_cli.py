@@ -162,7 +162,7 @@ def test_help_is_short_too_and_lists_whole_sentences(invoke):
     assert (
         "Continue a stopped run from its last checkpoint; the result is that of an uninterrupted run." in text
     )
-    assert "..." not in text
+    assert "..." not in text.partition("Commands:")[2]
     assert invoke("run", "-h").exit_code == 0
     assert "--install-completion" in text
 
