@@ -103,6 +103,24 @@ def test_a_motion_in_its_plane_is_that_of_all_unknowns(integrator):
     close(turned, found, 1e-9, SLANTED)
 
 
+@pytest.mark.parametrize("formulation", ["geometric", "intrinsic"])
+def test_initial_strains_in_a_plane_are_looked_at(formulation):
+    def bent(*strain):
+        model = vr.Model()
+        rod = vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=section(), d1=(0, 0, 1), elements=1, order=3)
+        model.add("beam", rod)
+        model.clamp("beam.start")
+        model.strain("beam", strain)
+        return model
+
+    given = {"tolerance": 1e-4, "formulation": formulation}
+    found = motion(bent(0, 0, 0.01, 2.0, 0, 0), **given)
+    assert found.data.attrs["symmetry"] == "about the plane normal to z"
+    close(found, motion(bent(0, 0, 0.01, 2.0, 0, 0), "ignored", **given), 1e-9)
+    twisted = motion(bent(0, 0, 0.01, 2.0, 0, 1e-6), **given)
+    assert twisted.data.attrs["symmetry"].startswith("none")
+
+
 def test_branches_in_a_plane_are_those_of_all_unknowns():
     relaxing = section(branches=[vr.MaxwellBranch(0.01, (0.5 * STIFFNESS).tolist())])
     found = motion(gallows(own=relaxing), tolerance=1e-4)
@@ -230,8 +248,8 @@ def test_couplings_within_the_plane_are_allowed(own):
 def test_lateral_buckling_is_seen_where_something_begins_it():
     """A deep beam under three times its lateral buckling load, 4.013 sqrt(EI GJ)/L^2 (Timoshenko and Gere 1961, 6.3).
 
-    From symmetric data it stays in its plane, in space as well, and the report says what is not seen; a load of a
-    millionth across drives it out by more than a hundred times what it moves a beam without that load by.
+    By its plane of symmetry it stays in that, and says so with a warning; in space rounding drives it out within the
+    time, as a load across of a millionth does. At nine tenths of the load nothing is said.
     """
     C = np.array([4e4, 4e4, 1e5, 60.0, 0.06, 0.05])
     deep = section(np.diag(C), damping=(1e-4 * C).tolist())
@@ -247,15 +265,15 @@ def test_lateral_buckling_is_seen_where_something_begins_it():
         model.force("beam.end", (0.0, 0.0, across))
         return model
 
-    given = {"duration": 0.15, "initial": "reference", "tolerance": 1e-4}
-    plane = beam(3.0 * critical, 0.0).simulate(**given)
-    space = beam(3.0 * critical, 0.0).simulate(symmetry="ignored", **given)
-    aside = [np.abs(run.data["position"].values[..., 2]).max() for run in (plane, space)]
-    assert max(aside) < 1e-12
+    given = {"duration": 0.4, "initial": "reference", "tolerance": 1e-5}
+    with pytest.warns(vr.AccuracyWarning, match="is unstable from t = .* more than 4e"):
+        plane = beam(3.0 * critical, 0.0).simulate(**given)
+    assert np.abs(plane.data["position"].values[..., 2]).max() < 1e-12
     assert "Symmetric about the plane normal to z" in plane.report()
-    assert "not even where it is unstable" in plane.report()
+    space = beam(3.0 * critical, 0.0).simulate(symmetry="ignored", **given)
+    assert np.abs(space.data["position"].values[..., 2]).max() > 0.1
     assert "Symmetric about" not in space.report()
-    push = 1e-6 * critical
-    pushed, alone = (beam(down, push).simulate(**given) for down in (3.0 * critical, 0.0))
-    moved = [np.abs(run.data["position"].values[..., 2]).max() for run in (pushed, alone)]
-    assert moved[0] > 100.0 * moved[1]
+    pushed = beam(3.0 * critical, 1e-6 * critical).simulate(**given)
+    assert np.abs(pushed.data["position"].values[..., 2]).max() > 0.1
+    below = beam(0.9 * critical, 0.0).simulate(**given)
+    assert not any("unstable" in text for text in below.warnings)

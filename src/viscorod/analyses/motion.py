@@ -174,10 +174,15 @@ def _motion(
         if settings.modes is None:  # what modes leave out is not in balance on any mesh
             see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
         attrs |= watch.attributes
+    out_of_plane = ""
+    if unknowns.plane is not None and result.outcome is Outcome.COMPLETED:
+        last = integrator.t, integrator.snapshot()
+        out_of_plane = unknowns.doubt(discrete.static, [*discrete.watch.noted, last])
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
     _tell(attrs, motion_doubt(attrs))
     _tell(attrs, force_doubt(attrs))
+    _tell(attrs, out_of_plane)
     stream.flush()
     if written is None:
         run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))

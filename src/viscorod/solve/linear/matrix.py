@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -65,7 +66,10 @@ class Matrix:
     @contextmanager
     def following(self, plan: Plan) -> Iterator[None]:
         """Factorise and solve by another plan for a while, perhaps for some unknowns only."""
-        own = {name: vars(self).pop(name) for name in ("plan", "solver") if name in vars(self)}
+        own: dict[str, Any] = {}
+        for name in ("plan", "solver"):
+            if name in vars(self):
+                own[name] = vars(self).pop(name)
         self.plan = plan
         try:
             yield

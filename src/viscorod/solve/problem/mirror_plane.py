@@ -51,17 +51,22 @@ class MirrorPlane(NamedTuple):
             return "xyz"[int(size.argmax())]
         return "(" + ", ".join(f"{x:.4g}" for x in self.normal) + ")"
 
+    def equations(self, problem: Problem) -> Integers:
+        """Return the equations of motions in the plane, by their numbers among all ``(n, 3)``.
+
+        Those of partly supported nodes are along the axes of the support.
+        """
+        inside, partial = _inside(self.axes), problem.supports.partial
+        inside[problem.supports.nodes[partial]] = _inside(self.support_axes[partial])
+        return np.asarray(6 * np.arange(problem.size)[:, None] + inside)
+
     def unknowns(self, problem: Problem) -> Unknowns | None:
         """Return the unknowns of motions in the plane of nodes that are not held completely; None if all are."""
         rows = _free_nodes(problem)
-        equations = components = _inside(self.axes)
-        partial = problem.supports.partial
-        if len(partial):
-            equations = components.copy()
-            equations[problem.supports.nodes[partial]] = _inside(self.support_axes[partial])
         if not len(rows):
             return None
-        return Unknowns.some(problem.pattern, rows, equations[rows], components[rows])
+        equations = self.equations(problem)[rows] - 6 * rows[:, None]
+        return Unknowns.some(problem.pattern, rows, equations, _inside(self.axes[rows]))
 
 
 def free_unknowns(problem: Problem) -> Unknowns | None:
