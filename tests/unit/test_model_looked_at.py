@@ -18,7 +18,7 @@ def beam():
     model.add("tip", vr.Sphere(0.01, mass=0.02, centre=(0.3, 0, 0)))
     model.clamp("bar.start", motion={"uz": vr.Sine(2.0, 0.01)})
     model.attach("bar.end", "tip")
-    model.force("bar.end", (0, 0, 1), time=vr.Ramp(0.5), name="pull")
+    model.force("bar.end", (0, 0, 1), time=vr.Ramp(0, 0.5), name="pull")
     return model
 
 
@@ -63,7 +63,7 @@ def test_a_place_is_told_where_it_is_given():
         (lambda: model.force("bar.ned", (0, 0, 1)), "Force.at: 'bar.ned': a rod has no such point"),
         (lambda: model.force("bar@0.5", (0, 0, 1)), "only 0.3 m long"),
         (lambda: model.spring("tipp", stiffness={"ux": 1}), "Spring.at: 'tipp'.*did you mean 'tip'"),
-        (lambda: model.drag("bra", density=1.0, width=0.1), "Drag.rod: 'bra'"),
+        (lambda: model.drag("bra", density=1.0, width=0.1, coefficient_across=1.0), "Drag.rod: 'bra'"),
         (lambda: model.rest_strain("bra", (0,) * 6), "RestStrain.rod: 'bra'"),
     ):
         with pytest.raises(vr.InputError, match=words):

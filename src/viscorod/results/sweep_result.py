@@ -71,7 +71,7 @@ class SweepRun:
     def result(self) -> AnyResult | None:
         """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
         if isinstance(self.stored, Path):
-            found = load(self.stored)
+            found: AnyResult | Sweep = load(self.stored)
             assert not isinstance(found, Sweep)
             return found
         return self.stored
