@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import (
@@ -25,15 +24,11 @@ from viscorod.analyses.call_arguments import (
     SteadyArguments,
     takes,
 )
-from viscorod.checks import checked
+from viscorod.analyses.inspected import Inspected
 from viscorod.errors import Fault, InputError
-from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
     from viscorod.results.buckling import Buckling
@@ -53,7 +48,7 @@ DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_respo
 """Analyses whose results have derivatives."""
 
 
-class Model(ModelDescription):
+class Model(Inspected):
     """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
 
     @takes(EquilibriumArguments)
@@ -377,26 +372,6 @@ class Model(ModelDescription):
         from viscorod.analyses.stability import stability
 
         return stability(DiscreteModel.of(self, call, call.options), call)
-
-    @checked
-    def draw(self, path: str | Path | None = None, title: str = "", *, ax: Axes | None = None) -> Figure:
-        """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
-
-        Args:
-            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
-            title: above the picture.
-            ax: axes of yours to draw into.
-
-        Returns:
-            The figure; a notebook shows it.
-
-        Raises:
-            InputError: the model is inconsistent, or the picture cannot be written.
-        """
-        from viscorod.pictures.drawing.model_drawing import draw_assembly
-        from viscorod.pictures.picture import delivered
-
-        return delivered(draw_assembly(self, title, ax), path)
 
     def with_known_times(self) -> Model:
         """Return the model with the times of its materials known: those from a mode (`MeasuredDamping`) are found.
