@@ -45,6 +45,8 @@ copybutton_prompt_text = "$ "  # what a shell prints is not copied
 
 html_theme = "furo"
 html_title = "viscorod"
+html_static_path = ["_static"]
+html_css_files = ["pages.css"]
 
 
 def described_arguments(app, what, name, obj, options, signature, returns):
