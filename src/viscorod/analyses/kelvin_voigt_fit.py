@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
@@ -18,6 +19,8 @@ from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
+from viscorod.shown import Shown, span
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -30,8 +33,8 @@ OUTSIDE = 100.0
 """How far beyond the relaxation times a comparison goes if no band is given."""
 
 
-@dataclass(frozen=True, eq=False)
-class KelvinVoigtFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class KelvinVoigtFit(WellNamed, Shown):
     """A Kelvin-Voigt solid beside the complex modulus that it stands for.
 
     Attributes:
@@ -49,6 +52,20 @@ class KelvinVoigtFit:
     viscosity: float
     frequency: Floats
     exact: Complexes
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{self.strain}, {self.method.replace('_', ' ')} fit"
+        yield f"modulus {self.modulus:.4g} Pa"
+        yield f"retardation time {self.time:.4g} s"
+        yield span(*self.band, "Hz")
+
+    def _drawing(self) -> str:
+        drawing, along = Drawing(equal=False), np.log10(self.frequency)
+        for modulus, faint in ((self.exact, False), (self.fitted, True)):
+            for part in (modulus.real, modulus.imag):
+                size = np.log10(np.maximum(part, 1e-3 * float(np.abs(self.exact).min())))
+                drawing.line(np.stack([along, size], axis=-1), faint=faint)
+        return drawing.svg()
 
     @property
     def time(self) -> float:

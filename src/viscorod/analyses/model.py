@@ -254,7 +254,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.theories import compare_theories
+        from viscorod.model.description.consistency import require_inertia
 
+        require_inertia(self)
         return compare_theories(DiscreteModel.of(self), settings)
 
     @takes(ResponseArguments)

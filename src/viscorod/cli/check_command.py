@@ -15,7 +15,7 @@ from viscorod.results.text_table import listed
 
 if TYPE_CHECKING:
     from viscorod.analyses.check import CheckReport
-    from viscorod.casefile.units import Conversion
+    from viscorod.units import Conversion
 
 __all__ = ["check"]
 

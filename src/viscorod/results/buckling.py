@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Self
 
@@ -10,6 +11,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.result import Result
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -28,6 +30,13 @@ class Buckling(Result):
 
     kind: ClassVar[str] = "buckling"
     what: ClassVar[str] = "list of critical loads"
+
+    def _facts(self) -> Iterator[str]:
+        factors = self.load_factors
+        yield counted(len(factors), "critical load")
+        if len(factors):
+            yield f"the first at the load factor {factors[0]:.5g}"
+        yield from super()._facts()
 
     @property
     def load_factors(self) -> Floats:

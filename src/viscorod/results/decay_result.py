@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -10,6 +11,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -54,6 +56,14 @@ class Decay(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "mode")
+        yield f"{self.frequencies[0]:.4g} Hz, damping ratio {self.damping_ratios[0]:.3g}"
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        return self._column("time"), np.stack([self._column("model"), self._column("rest")], axis=-1)
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -14,6 +15,7 @@ from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -60,6 +62,17 @@ class FrequencyResponse(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.outputs), "output")
+        yield counted(len(self.inputs), "input")
+        yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield counted(len(self.poles), "pole")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        size = np.abs(self.values[:, :1, 0])
+        return self.frequencies, np.log10(np.maximum(size, np.finfo(float).tiny))
 
     @property
     def frequencies(self) -> Floats:

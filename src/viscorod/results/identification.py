@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,6 +12,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.shown import counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -139,6 +141,13 @@ class Identification(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        numbers = list(self.numbers.values())
+        yield counted(len(numbers), "number")
+        told = sum(one.told for one in numbers)
+        yield f"{told} told by the data"
+        yield from super()._facts()
 
     @property
     def level(self) -> float:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -12,6 +13,7 @@ from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
 
@@ -58,6 +60,15 @@ class MasterCurve(StatelessResult):
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.temperatures), "sweep")
+        yield f"at {self.reference:.4g} °C"
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        moduli = np.stack([self._column("curve_storage"), self._column("curve_loss")], axis=-1)
+        return np.log10(self._column("curve_frequency")), np.log10(np.maximum(moduli, np.finfo(float).tiny))
 
     @property
     def reference(self) -> float:

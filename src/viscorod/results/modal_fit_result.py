@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
 
@@ -11,6 +12,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -43,6 +45,17 @@ class ModalFit(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "mode")
+        if len(self.frequencies):
+            yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield counted(len(self.data["record_name"]), "record")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        size = np.hypot(*np.moveaxis(self.data["response"].values[0], -1, 0))
+        return self._column("line_frequency"), np.log10(np.maximum(size, np.finfo(float).tiny))[:, None]
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)

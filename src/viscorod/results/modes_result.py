@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar, Self
@@ -11,6 +12,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.result import Result
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -34,6 +36,24 @@ class Modes(Result):
 
     kind: ClassVar[str] = "modes"
     picture: ClassVar[str] = "modes"
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.names), "mode")
+        if len(self.names):
+            yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield f"about {self.about}"
+        yield from super()._facts()
+
+    def _drawing(self) -> str:
+        """Return where they swing about, dashed, and the first that is no rigid motion."""
+        base = self.positions
+        if self.rigid >= len(self.names):
+            return self._shapes(base, base)
+        shape = self.shapes[self.rigid]
+        shape = np.real(shape * np.exp(-0.5j * np.angle(np.sum(shape * shape))))
+        largest = float(np.abs(shape).max())
+        size = 0.15 * float(np.ptp(base, axis=0).max())
+        return self._shapes(base, base + (size / largest * shape if largest > 0.0 else 0.0))
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -12,6 +13,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -82,6 +84,19 @@ class Periodic(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "motion")
+        yield span(float(self.frequencies.min()), float(self.frequencies.max()), "Hz")
+        if self.bifurcations:
+            yield counted(len(self.bifurcations), "bifurcation")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        over = str(self.data.attrs.get("over"))
+        if over == "amplitude":
+            return self.amplitude(0), self.frequencies[:, None]
+        return self.levels if over == "level" else self.frequencies, self.amplitude(0)[:, None]
 
     @property
     def outcome(self) -> str:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -22,6 +22,7 @@ from viscorod.results.result import Result
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run_pictures import RunPictures
 from viscorod.results.step_error import step_errors
+from viscorod.shown import counted, span
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -45,10 +46,15 @@ class Run(RunPictures):
     ends_of_steps: Floats = np.zeros(0)
     """Times [s] at which its steps ended, known where derivatives were wanted."""
 
+    def _facts(self) -> Iterator[str]:
+        yield span(float(self.time[0]), float(self.time[-1]), "s")
+        yield counted(len(self.time), "state")
+        yield from super()._facts()
+
     @property
     def time(self) -> Floats:
         """Stored times [s]."""
-        return np.asarray(self.data["time"].values, dtype=float)
+        return np.asarray(self.data.variables["time"].values, dtype=float)
 
     @cached_property
     def step_ends(self) -> Integers | None:
@@ -268,6 +274,13 @@ class Equilibrium(Result):
     """
 
     kind: ClassVar[str] = "equilibrium"
+
+    def _facts(self) -> Iterator[str]:
+        factors = self.load_factor
+        yield f"load factor {span(float(factors.min()), float(factors.max()), '')}"
+        yield counted(len(factors), "state")
+        yield "stable" if self.stable else "unstable"
+        yield from super()._facts()
 
     @property
     def load_factor(self) -> Floats:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, ClassVar
@@ -11,6 +12,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.result import Result
+from viscorod.shown import counted
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.typing import Floats
 
@@ -26,6 +28,16 @@ class Steady(Result):
     """
 
     kind: ClassVar[str] = "steady"
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{float(np.linalg.norm(self.spin)):.4g} rad/s"
+        growing = int(self.data.attrs["unstable"])
+        yield (
+            f"{counted(growing, 'small motion')} {'grows' if growing == 1 else 'grow'}"
+            if growing
+            else "stable"
+        )
+        yield from super()._facts()
 
     @property
     def spin(self) -> Floats:

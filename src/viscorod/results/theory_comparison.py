@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
@@ -10,7 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.results.text_table import listed, table
+from viscorod.shown import Shown
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -57,8 +60,8 @@ class TheorySolution:
         return found
 
 
-@dataclass(frozen=True, eq=False)
-class TheoryComparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class TheoryComparison(WellNamed, Shown):
     """Theories of a planar straight beam beside the exact one.
 
     Attributes:
@@ -81,6 +84,20 @@ class TheoryComparison:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "theories", MappingProxyType(dict(self.theories)))
+
+    def _facts(self) -> Iterator[str]:
+        yield self.sentence.partition(":")[0]
+        for word in self.theories:
+            yield f"{word.replace('_', ' ')} errs by {100.0 * self.displacement_error(word):.2g} %"
+
+    def _drawing(self) -> str:
+        across = self.exact.displacement[..., 1]
+        state = int(np.argmax(np.abs(across).max(axis=-1)))
+        drawing = Drawing(equal=False)
+        drawing.line(np.stack([self.s, across[state]], axis=-1))
+        for theory in self.theories.values():
+            drawing.line(np.stack([self.s, theory.displacement[state, :, 1]], axis=-1), faint=True)
+        return drawing.svg()
 
     def displacement_error(self, word: str) -> float:
         """Return the largest difference of displacements from the exact ones over the largest of these."""
