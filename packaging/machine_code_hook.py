@@ -34,13 +34,14 @@ class MachineCode(BuildHookInterface):
                 "no machine code is made for this kind of processor: build the wheel without it"
             )
         self._folder = tempfile.TemporaryDirectory()
-        made = Path(self._folder.name)
+        made, about = Path(self._folder.name) / "made", Path(self._folder.name) / "about"
+        (about / "viscorod.dist-info").mkdir(parents=True)  # the package asks for its own version
+        metadata = f"Metadata-Version: 2.1\nName: viscorod\nVersion: {self.metadata.version}\n"
+        (about / "viscorod.dist-info" / "METADATA").write_text(metadata, encoding="utf-8")
         processor = {"NUMBA_CPU_NAME": TARGET.name, "NUMBA_CPU_FEATURES": ""}
-        subprocess.run(
-            [sys.executable, "-m", "viscorod", "warmup"],
-            check=True,
-            env=os.environ | processor | {MAKES: str(made), "PYTHONPATH": source},
-        )
+        found = {MAKES: str(made), "PYTHONPATH": os.pathsep.join([source, str(about)])}
+        command = [sys.executable, "-m", "viscorod", "warmup"]
+        subprocess.run(command, check=True, env=os.environ | processor | found)
         package = Path("viscorod") / SHIPPED.name
         for path in sorted(made.rglob("*.nb[ci]")):
             build_data["force_include"][str(path)] = str(package / path.relative_to(made))
@@ -56,6 +57,6 @@ class MachineCode(BuildHookInterface):
 
 
 def _platform() -> str:
-    """Return the platform in the name of the wheel: nothing is linked before it is loaded, so that any Linux will do."""
+    """Return the platform in the name of the wheel: nothing in it is linked yet, so that any Linux will do."""
     name = sysconfig.get_platform().replace("-", "_").replace(".", "_")
     return name.replace("linux_", "manylinux_2_17_", 1) if name.startswith("linux_") else name
