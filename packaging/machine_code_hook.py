@@ -35,6 +35,7 @@ class MachineCode(BuildHookInterface):
             )
         self._folder = tempfile.TemporaryDirectory()
         made, about = Path(self._folder.name) / "made", Path(self._folder.name) / "about"
+        made.mkdir()
         (about / "viscorod.dist-info").mkdir(parents=True)  # the package asks for its own version
         metadata = f"Metadata-Version: 2.1\nName: viscorod\nVersion: {self.metadata.version}\n"
         (about / "viscorod.dist-info" / "METADATA").write_text(metadata, encoding="utf-8")

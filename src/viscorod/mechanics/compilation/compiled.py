@@ -147,7 +147,8 @@ def announce_formulation(first: Any) -> None:
     """Warn if ``first``, a kernel that only some runs need, still has to be compiled."""
     if _uncompiled(first):
         logging.getLogger("viscorod").warning(
-            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
+            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute",
+            extra={"compiles": True},
         )
 
 
@@ -156,7 +157,8 @@ def announce_compilation(largest: Any) -> None:
     if _uncompiled(largest):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
-            "(viscorod warmup compiles all of them)"
+            "(viscorod warmup compiles all of them)",
+            extra={"compiles": True},
         )
         compile_aside()
 

@@ -91,7 +91,7 @@ class Definition(BaseModel):
     Constructor arguments may be given by position, in the order of the fields, or by name.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
 
     #: The field with the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None
