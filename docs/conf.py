@@ -59,7 +59,10 @@ def described_arguments(app, what, name, obj, options, signature, returns):
         default = "..." if info.default != info.default else repr(info.default)
         text = field if info.is_required() else f"{field}={default}"
         (keyword if info.kw_only else positional).append(text)
-    return f"({', '.join([*positional, *(['*', *keyword] if keyword else [])])})", returns
+    return (
+        f"({', '.join([*positional, *(['*', *keyword] if keyword else [])])})",
+        returns,
+    )
 
 
 def skip_plumbing(app, what, name, obj, skip, options):

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 import numpy as np
 from pydantic import BaseModel, Field, ValidationError, model_validator
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
@@ -19,10 +20,14 @@ from viscorod.results.files.storage import load, read, result_of, write
 from viscorod.results.quantities import HISTORY_TIMES, Number
 from viscorod.results.sweep_figures import FIGURES, figures_of, shown
 from viscorod.results.text_table import table
+from viscorod.shown import Shown, counted
+from viscorod.small_drawing import Drawing
 
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from viscorod.results.any_result import AnyResult
 
@@ -81,7 +86,7 @@ class SweepRun:
         return dict(self.measured) or figures_of(self.result)
 
 
-class Sweep:
+class Sweep(WellNamed, Shown):
     """The members of a sweep, in the order of their values.
 
     Attributes:
@@ -97,6 +102,25 @@ class Sweep:
         self.members = tuple(members)
         self.title = title
         self.notes = tuple(notes)
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.members), "member")
+        if self.failed:
+            yield f"{len(self.failed)} not completed"
+        yield f"over {', '.join(self.parameters)}" if self.parameters else "no parameters"
+        if self.quantities:
+            yield f"quantities {', '.join(self.quantities)}"
+
+    def _drawing(self) -> str:
+        """Return the first quantity over the first parameter, where both are numbers."""
+        drawing = Drawing(equal=False)
+        if self.parameters and self.quantities:
+            rows = [
+                (m.values[self.parameters[0]], m.quantities.get(self.quantities[0])) for m in self.completed
+            ]
+            kept = [row for row in rows if all(isinstance(one, int | float) for one in row)]
+            drawing.dots(np.array(kept, dtype=float).reshape(-1, 2))
+        return drawing.svg()
 
     @property
     def parameters(self) -> tuple[str, ...]:
@@ -225,6 +249,34 @@ class Sweep:
 
     def __str__(self) -> str:
         return self.report()
+
+    @checked
+    def plot(
+        self,
+        path: str | Path | None = None,
+        *,
+        name: str | None = None,
+        x: str | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw numbers of the members over a parameter, a line for every combination of the others.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            name: of a number that is drawn alone: a quantity, or another column of ``table``.
+            x: the parameter, by default the first.
+            ax: axes of yours to draw into: one number, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such number or parameter, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_sweep import draw_sweep
+
+        return delivered(draw_sweep(self, name, x, ax), path)
 
     @checked
     def save(self, path: str | Path) -> Path:
