@@ -39,14 +39,14 @@ def test_tells_how_far_it_is(line, monkeypatch, capsys):
     monkeypatch.setattr(compiled, "KERNELS", kernels)
     logging.getLogger("viscorod").warning("compiling", extra={"compiles": True})
     now[0] = 10.0
-    line.show("load")
+    line.show()
     now[0] = 20.0
-    line.show("store")
+    line.show()
     shown = capsys.readouterr().err
     assert shown.startswith("compiling\n")
     # a quarter after 10 s: 40 s in all
-    assert "25 %, about 30 s left (load)" in shown
-    assert "25 %, about 20 s left (store)" in shown
+    assert "25 %, about 30 s left" in shown
+    assert "25 %, about 20 s left" in shown
     end_compilation_line()
     assert capsys.readouterr().err == "\r\033[K"
 

@@ -58,18 +58,18 @@ class CompilationLine(logging.Handler):
         class Listener(event.Listener):
             """Shows the line again whenever a kernel, or a part of one, is compiled."""
 
-            def on_start(self, event: Any) -> None:
-                line.show(event.data["dispatcher"].py_func.__name__)
+            def on_start(self, _event: Any) -> None:
+                line.show()
 
-            def on_end(self, event: Any) -> None:
-                line.show(event.data["dispatcher"].py_func.__name__)
+            def on_end(self, _event: Any) -> None:
+                line.show()
 
         self._began, self._listener = time.monotonic(), Listener()
         events: Any = event
         events.register("numba:compile", self._listener)
 
-    def show(self, name: str) -> None:
-        """Show how far it is, and what is compiled; kernels that a second process compiles count when they are read."""
+    def show(self) -> None:
+        """Show how far it is; kernels that a second process compiles count when they are read."""
         from viscorod.mechanics.compilation.compiled import KERNELS
 
         now = time.monotonic()
@@ -81,7 +81,7 @@ class CompilationLine(logging.Handler):
         if 0.0 < done < 1.0:
             left = (self._last - self._began) / done - (now - self._began)
             text += f", about {max(left, 1.0):.0f} s left"
-        print(f"\r\033[K{text} ({name})"[:78], end="", file=sys.stderr, flush=True)
+        print(f"\r\033[K{text}", end="", file=sys.stderr, flush=True)
 
     def end(self) -> None:
         """End the line: something else is shown from here on."""
