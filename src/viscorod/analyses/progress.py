@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
+from viscorod.cli.compilation_line import end_compilation_line
 from viscorod.solve.settings.course import Course
 
 Progress: TypeAlias = Callable[[float, float], None]
@@ -77,19 +78,24 @@ def _bar(course: Course) -> Iterator[Progress]:
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        total = None if course.end is None else 1.0
-        task = bar.add_task("", total=total, step=0.0, reached=course.start)
-        last = 0.0
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task("", total=None if course.end is None else 1.0, step=0.0, reached=course.start)
+    last = 0.0
 
-        def update(reached: float, step: float) -> None:
-            nonlocal last
-            now = time.monotonic()
-            if now - last > _REFRESH or course.part(reached) >= 1.0:
-                last = now
-                bar.update(task, completed=course.part(reached), step=step, reached=reached)
+    def update(reached: float, step: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not last:  # until now kernels may have been compiled, which has a line of its own
+            end_compilation_line()
+            bar.start()
+        if now - last > _REFRESH or course.part(reached) >= 1.0:
+            last = now
+            bar.update(task, completed=course.part(reached), step=step, reached=reached)
 
+    try:
         yield update
+    finally:
+        bar.stop()
 
 
 def _lines(course: Course) -> Progress:
