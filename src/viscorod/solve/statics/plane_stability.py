@@ -98,9 +98,12 @@ class _SmallMotions:
         system, supports = self.static.system, self.static.supports
         problem, moving = system.problem, at.state
         state = State(moving.r, moving.q, np.zeros_like(moving.twist), moving.multiplier)
-        system.stress.reshape(-1, 6)[system.gauss_indices()] = at.section_force
-        system.assemble(state, self.static.loads.at(t, True, 1.0), None, tangent=True, moving=False)
+        loads = self.static.loads.at(t, True, 1.0)
+        system.assemble(state, loads, None, tangent=False, moving=False)
+        system.reset_stress()
+        system.assemble(state, loads, None, tangent=True, moving=False)
         blocks, mass, pattern = system.matrix.blocks, problem.mass, problem.pattern
+        self._add_inertia(system.residual()[: problem.size], blocks)
         if len(supports.partial):
             supports.update(t, True)
             supports.impose(state, system.residual(), system.matrix, tangent=True)
@@ -118,6 +121,19 @@ class _SmallMotions:
             return self._indefinite(blocks)
 
         return faster
+
+    def _add_inertia(self, unbalanced: Floats, blocks: Floats) -> None:
+        """Subtract the derivative of inertial forces, which keep their directions in space as nodes turn."""
+        supports, diagonal = self.static.supports, self.static.system.problem.pattern.diagonal
+        free = np.setdiff1d(np.arange(len(unbalanced)), supports.set.nodes)
+        slots = diagonal[free]
+        for i, j, k in (
+            (0, 1, 2),
+            (1, 2, 0),
+            (2, 0, 1),
+        ):  # f x theta, of which the component i is f_j t_k - f_k t_j
+            blocks[slots, 3 + k, i] -= unbalanced[free, j]
+            blocks[slots, 3 + j, i] += unbalanced[free, k]
 
     def _indefinite(self, blocks: Floats) -> bool:
         """Return whether a matrix, its symmetric part, has a negative eigenvalue."""
