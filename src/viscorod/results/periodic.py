@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -73,6 +74,8 @@ class Periodic(StatelessResult):
     kind: ClassVar[str] = "periodic"
     picture: ClassVar[str] = "amplitude"
     what: ClassVar[str] = "curve of periodic motions"
+    orbits: Sequence[Any] = ()
+    """Of a result that has just been computed: what its motions were found as."""
 
     @classmethod
     def variables(cls) -> Variables:
