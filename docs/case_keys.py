@@ -40,8 +40,16 @@ FILE = {
 }
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),
-    "sections": ("list of pieces", "one of these three", "sections one after the other, see Sections"),
-    "taper": ("table", "one of these three", "section that changes along the rod, see Sections"),
+    "sections": (
+        "list of pieces",
+        "one of these three",
+        "sections one after the other, see Sections",
+    ),
+    "taper": (
+        "table",
+        "one of these three",
+        "section that changes along the rod, see Sections",
+    ),
 }
 
 
@@ -50,7 +58,9 @@ def default(field):
     if is_required(field):
         return "required"
     value = field.default
-    if value in (None, (), {}) or str(value) == "nan":  # NaN marks one of two alternatives
+    if (
+        value in (None, (), {}) or str(value) == "nan"
+    ):  # NaN marks one of two alternatives
         return "\N{EN DASH}"
     if isinstance(value, tuple):
         return f"`{list(value)}`"
@@ -62,7 +72,9 @@ def default(field):
 def keys(kind):
     """Yield rows (key, allowed values, default, meaning) of a class: its kind, what it requires, what it may have."""
     fields = fields_of(kind).items()
-    for name, field in sorted(fields, key=lambda pair: (pair[0] != kind.tag, not pair[1].is_required())):
+    for name, field in sorted(
+        fields, key=lambda pair: (pair[0] != kind.tag, not pair[1].is_required())
+    ):
         if name == kind.tag:
             standard = any(kind is usual for _, _, usual in GROUPS.values())
             default_kind = f'`"{field.default}"`' if standard else "required"
@@ -76,7 +88,10 @@ def part_rows(part):
     if part == "file":
         rows, expected = [(key, *texts) for key, texts in FILE.items()], schema.KEYS
     elif part == "rods":
-        rows, expected = [*((key, *texts) for key, texts in ROD.items()), *keys(Rod)], schema.ROD_KEYS
+        rows, expected = (
+            [*((key, *texts) for key, texts in ROD.items()), *keys(Rod)],
+            schema.ROD_KEYS,
+        )
     else:
         return list(keys(PARTS[part]))
     if {row[0] for row in rows} != set(expected):
@@ -95,7 +110,9 @@ class CaseKeys(SphinxDirective):
         self.env.case_parts = getattr(self.env, "case_parts", set()) | {part}
         lines = ["| key | value | default | meaning |", "|---|---|---|---|"]
         for key, value, standard, text in part_rows(part):
-            lines.append(f"| `{key}` | {value} | {standard} | {text.replace('|', chr(92) + '|')} |")
+            lines.append(
+                f"| `{key}` | {value} | {standard} | {text.replace('|', chr(92) + '|')} |"
+            )
         return self.parse_text_to_nodes("\n".join(lines))
 
 
@@ -103,7 +120,9 @@ def all_shown(app, env):
     """Warn of parts that no page shows."""
     missing = {"file", "rods", *PARTS} - getattr(env, "case_parts", set())
     if missing:
-        logging.getLogger(__name__).warning("no page shows the keys of %s", ", ".join(sorted(missing)))
+        logging.getLogger(__name__).warning(
+            "no page shows the keys of %s", ", ".join(sorted(missing))
+        )
 
 
 def setup(app):

@@ -4,13 +4,22 @@ from __future__ import annotations
 
 from sphinx.util.docutils import SphinxDirective
 
-from viscorod.results.data_schema import DIMENSION, DIMENSIONS, FRAMES, PLACES, STATES, VARIABLES
+from viscorod.results.data_schema import (
+    DIMENSION,
+    DIMENSIONS,
+    FRAMES,
+    PLACES,
+    STATES,
+    VARIABLES,
+)
 
 
 def variable_rows():
     """Rows (name, dimensions, unit, axes, meaning) of all variables."""
     for name, (unit, meaning) in VARIABLES.items():
-        dimensions = ", ".join(f"*{word}*" if word == STATES else f"`{word}`" for word in DIMENSIONS[name])
+        dimensions = ", ".join(
+            f"*{word}*" if word == STATES else f"`{word}`" for word in DIMENSIONS[name]
+        )
         yield f"`{name}`", dimensions, unit, FRAMES.get(name, ""), meaning
 
 

@@ -9,10 +9,10 @@ from viscorod.casefile.shipped import shipped_case
 IMAGES = Path(__file__).parents[1] / "images"
 
 found = run_case(load_case(shipped_case("clamped_strip")))
-print(found.plot(IMAGES / "periodic_amplitude.png"))
+found.plot(IMAGES / "periodic_amplitude.png")
 print(found.report())
 
 swing = as_model(load_case(shipped_case("cantilever_swing")).description)
 free = swing.periodic(mode=1, largest=0.17, outputs=["beam.end uy"], about="released", harmonics=7, step=0.3)
-print(free.plot(IMAGES / "periodic_backbone.png"))
+free.plot(IMAGES / "periodic_backbone.png")
 print(free.report())

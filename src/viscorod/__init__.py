@@ -44,4 +44,8 @@ def __getattr__(name: str) -> object:
         return importlib.import_module("viscorod.damping")
     if name in __all__:
         return _load(name)
-    raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    if name.startswith("_"):
+        raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+    from viscorod.attributes import UnknownAttributeError
+
+    raise UnknownAttributeError.of(None, name, [*__all__, "damping"], called=__name__)

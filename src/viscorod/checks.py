@@ -210,7 +210,17 @@ def of_class(*kinds: type) -> Kind:
     return check
 
 
+def axes(name: str, value: Any) -> Any:
+    """Return axes of Matplotlib."""
+    if not all(hasattr(value, word) for word in ("plot", "get_legend", "figure")):
+        raise _refused(
+            name, value, "Matplotlib's axes are needed here", "give one panel, as plt.subplots() returns it"
+        )
+    return value
+
+
 KINDS: dict[str, Kind] = {
+    "ax": axes,
     "path": file_path,
     "folder": file_path,
     "title": text,
@@ -218,6 +228,9 @@ KINDS: dict[str, Kind] = {
     "places": places,
     "axis": word,
     "quantity": word,
+    "component": word,
+    "rod": word,
+    "x": word,
     "kind": word,
     "name": word,
     "port": word,
@@ -239,6 +252,8 @@ KINDS: dict[str, Kind] = {
     "fps": number,
     "speed": number,
     "frames": whole,
+    "count": number_of_parts,
+    "number": number_of_parts,
     "megabytes": number,
 }
 """Name of an argument -> what checks and converts its values."""

@@ -7,8 +7,8 @@ import pint
 
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.json_schema import forms
-from viscorod.casefile.unit_conversion import _Walk
 from viscorod.model.connections.motion_words import MOTIONS
+from viscorod.model.fields.quantities import SIWalk
 
 
 def turned(content, Q):
@@ -116,7 +116,7 @@ def scaled(content, length, mass, time):
 UNITS = pint.UnitRegistry()
 
 
-class _Scaling(_Walk):
+class _Scaling(SIWalk):
     """Meets every number as a text, with its unit."""
 
     def number(self, text, unit, path):

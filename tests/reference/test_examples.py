@@ -3,6 +3,7 @@
 import importlib
 import re
 import sys
+import warnings
 from pathlib import Path
 from unittest.mock import patch
 
@@ -74,6 +75,49 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
             exec(compile(code, str(page), "exec"), names)
     if "matplotlib.pyplot" in sys.modules:  # pandas leaves its pictures there
         sys.modules["matplotlib.pyplot"].close("all")
+
+
+def run_cells(page):
+    """Run the cells of a page as a notebook does, in the present folder."""
+    names = {"__name__": "__main__"}
+    for code in blocks(page, r"\{code-cell\} ipython3"):
+        if code.startswith("!viscorod example "):
+            name = code.split()[-1]
+            Path(f"{name}.toml").write_bytes(shipped_cases()[name].read_bytes())
+            continue
+        exec(compile(code, str(page), "exec"), names)
+    if "matplotlib.pyplot" in sys.modules:
+        sys.modules["matplotlib.pyplot"].close("all")
+
+
+@pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent.name == "notebooks"], ids=lambda page: page.stem
+)
+def test_notebooks_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    run_cells(page)
+
+
+REFERENCE = ROOT / "docs" / "reference"
+
+
+def topics():
+    """The pages of public names by the heading under which the table of contents has them."""
+    contents = (REFERENCE / "index.md").read_text(encoding="utf-8")
+    for section in re.split(r"^## ", contents, flags=re.MULTILINE)[1:]:
+        names = re.findall(r"^classes/(\w+)$", section, re.MULTILINE)
+        if names:
+            yield section.partition("\n")[0], [REFERENCE / "classes" / f"{name}.md" for name in names]
+
+
+@pytest.mark.parametrize("pages", [pytest.param(pages, id=topic) for topic, pages in topics()])
+def test_examples_of_public_names_run(pages, tmp_path, monkeypatch):
+    for page in pages:
+        folder = tmp_path / page.stem
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        with warnings.catch_warnings():
+            run_cells(page)
 
 
 @pytest.mark.parametrize(

@@ -11,6 +11,7 @@ from scipy.optimize import brentq
 
 import viscorod as vr
 import viscorod.analyses.periodic as analysis
+from helpers.pictures import written
 from viscorod.analyses.case_run import as_model, run_case
 from viscorod.casefile.case import load_case
 from viscorod.casefile.shipped import shipped_case
@@ -316,13 +317,13 @@ def test_result_is_saved_loaded_reported_drawn_and_tabulated(tmp_path):
     rows = found.save_csv(tmp_path / "curve.csv").read_text().splitlines()
     assert len(rows) == 1 + len(found.levels)
     for kind in ("amplitude", "multipliers", "loops"):
-        assert found.plot(tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
+        assert written(found.plot, tmp_path / f"{kind}.png", kind).stat().st_size > 10_000
     free = clamped(elements=2, order=2).periodic(
         mode=1, largest=1e-3, outputs=["beam@0.2 uz"], harmonics=3, step=1.0
     )
     again = vr.load(free.save(tmp_path / "free.nc"))
     assert again.report() == free.report()
-    assert free.plot(tmp_path / "backbone.png").stat().st_size > 10_000
+    assert written(free.plot, tmp_path / "backbone.png").stat().st_size > 10_000
     with pytest.raises(vr.InputError, match="free vibrations"):
         _ = free.stable
 

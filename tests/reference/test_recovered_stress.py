@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.pictures import written
 from viscorod.pictures.plots.plot_stress import draw_stress
 from viscorod.pictures.viewer import view
 from viscorod.results.largest_stress import peak_stresses
@@ -267,14 +268,14 @@ def test_the_picture_of_a_section(tmp_path):
     (text,) = (one.get_text() for one in figure.texts if "largest von Mises" in one.get_text())
     assert f"at {float(worst.time[int(worst.values.argmax())]):.4g} s" in text
     assert f"{float(worst.max()) / 1e3:.4g} kPa" in text
-    assert run.plot_stress(tmp_path / "section.png", "beam@0.1", 0.01).stat().st_size > 10_000
+    assert written(run.plot_stress, tmp_path / "section.png", "beam@0.1", 0.01).stat().st_size > 10_000
     model = vr.Model()
     line = {"section": vr.Rectangle(0.02, 0.002), "material": VISCOUS, "elements": 1, "order": 2}
     model.add("strip", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), **line))
     model.clamp("strip.start")
     model.gravity()
     held = model.equilibrium()
-    assert held.plot_stress(tmp_path / "strip.png", "strip.start").stat().st_size > 10_000
+    assert written(held.plot_stress, tmp_path / "strip.png", "strip.start").stat().st_size > 10_000
     with pytest.raises(vr.InputError, match="only a run has times"):
         held.plot_stress(tmp_path / "no.png", "strip.end", 0.1)
 

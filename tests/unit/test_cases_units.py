@@ -9,9 +9,9 @@ from viscorod.analyses.sweep import member_content
 from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted
-from viscorod.casefile.units import si_value
 from viscorod.cli.key_values import column_of
 from viscorod.errors import InputError
+from viscorod.units import si_value
 
 PLAIN = """
 [materials.rubber]

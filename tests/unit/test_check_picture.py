@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.pictures import written
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.pictures.drawing.model_drawing import draw_assembly
@@ -63,7 +64,7 @@ def test_everything_is_drawn_and_named(tmp_path):
         legend(figure)
     )
     assert figure.axes[0].get_title(loc="left") == "Reference shape in space"
-    assert machine().draw(tmp_path / "assembly.png", "A machine").stat().st_size > 10_000
+    assert written(machine().draw, tmp_path / "assembly.png", "A machine").stat().st_size > 10_000
 
 
 def test_labels_keep_off_each_other():

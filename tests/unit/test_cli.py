@@ -16,7 +16,6 @@ import viscorod.analyses.discrete
 import viscorod.casefile.case
 from helpers.synthetic_results import rolled_up, swing
 from viscorod.casefile.shipped import shipped_case
-from viscorod.casefile.units import Conversion
 from viscorod.cli.app import app
 from viscorod.cli.progress import reporting
 from viscorod.results.run import Equilibrium, Run
@@ -24,6 +23,7 @@ from viscorod.results.validity import Condition, Validity
 from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings
+from viscorod.units import Conversion
 
 REPORT = SimpleNamespace(
     validity=Validity((Condition("|J0 - 1|: half width x curvature", "LLT 2.2", 0.2, 0.1, "beam"),)),

@@ -8,13 +8,15 @@ import scipy.stats
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.pictures import written
 from helpers.strip import content
 from viscorod.analyses.ensemble import _saltelli_rows
 from viscorod.analyses.sweeps.points import points_of, uniform_points
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
 from viscorod.results.ensemble import Design, Ensemble
-from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.results.sweep_members import SweepRun
+from viscorod.results.sweep_result import Sweep
 
 FORCE, MODULUS = "loads[0].value[1]", "materials.rubber.youngs_modulus"
 TIP = {"tip": ("displacement", "beam.end", "y")}
@@ -98,8 +100,8 @@ def test_an_ensemble_is_kept(beam, tmp_path):
         "(2 of 64 members)",
     ):
         assert words in beam.report()
-    for path in (beam.plot(tmp_path / "quantiles.png"), beam.plot_indices(tmp_path / "indices.svg")):
-        assert path.stat().st_size > 5000
+    assert written(beam.plot, tmp_path / "quantiles.png").stat().st_size > 5000
+    assert written(beam.plot_indices, tmp_path / "indices.svg").stat().st_size > 5000
 
 
 def test_a_larger_ensemble_goes_on_with_a_smaller_one(held, tmp_path):
@@ -176,7 +178,7 @@ def test_a_fan_of_histories(tmp_path):
     assert found.data["way"].shape == (4, 201)
     start = found.data["way"].values[:, 0]
     assert np.argsort(start).tolist() == np.argsort(found.data[FORCE].values).tolist()
-    assert found.plot_fan(tmp_path / "fan.png", "way").stat().st_size > 5000
+    assert written(found.plot_fan, tmp_path / "fan.png", "way").stat().st_size > 5000
     with pytest.raises(vr.InputError, match="is no history"):
         found.plot_fan(tmp_path / "fan.png", "tip")
 

@@ -94,7 +94,7 @@ def test_springs_come_back_from_their_tables(given):
         (lambda: Spring("ground", "arm.end", {"ux": 1}), "Spring.at", "the ground is not a place"),
         (lambda: Spring("arm.end", "arm.end", {"ux": 1}), "Spring.to", "two different things"),
         (lambda: Spring("arm.end", stiffness={"x": 1}), "Spring.stiffness.x", "not a motion"),
-        (lambda: Spring("arm.end", stiffness={"ux": "1"}), "Spring.stiffness.ux", "number is needed"),
+        (lambda: Spring("arm.end", stiffness={"ux": "1"}), "Spring.stiffness.ux", "in quotes has no unit"),
         (lambda: Spring("arm.end", damping={"ux": -1}), "Spring.damping.ux", "negative damping"),
         (
             lambda: Spring("arm.end", damping={"ux": lambda rate: np.inf}),

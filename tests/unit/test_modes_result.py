@@ -4,6 +4,7 @@ import numpy as np
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.pictures import written
 from helpers.viewer_pages import array, parts
 from viscorod.casefile.case import parse_case
 from viscorod.cli.app import app
@@ -73,7 +74,7 @@ def test_modes_are_a_result_like_others(tmp_path):
     assert (again.names, again.rigid, again.certified) == (found.names, found.rigid, found.certified)
     assert again.report() == found.report()
     assert "1: bend_1 1" in found.report()
-    assert found.plot(tmp_path / "modes.png", 2).stat().st_size > 10_000
+    assert written(found.plot, tmp_path / "modes.png", 2).stat().st_size > 10_000
     meta, data = parts(vr.view(found, tmp_path / "modes.html").read_text(encoding="utf-8"))
     told = [(one["name"], *one["cells"]) for one in meta["modes"]]
     assert told == list(zip(found.names, found.frequencies, found.damping_ratios, strict=True))

@@ -15,6 +15,10 @@ import viscorod.programs
 from viscorod.cli.app import app
 
 PAGES = Path(__file__).parents[2] / "docs" / "reference"
+CLASSES = PAGES / "classes"
+CELL = re.compile(r"^```\{code-cell\} ipython3\n(.*?)^```", re.DOTALL | re.MULTILINE)
+WIDTH = 88
+"""Characters of a line of code that a page shows whole."""
 DIRECTIVE = re.compile(
     r"^\.\. (?:auto|py:)(class|function|exception|data|module):: ([\w.]+)\n(?:   :members:(.*)\n)?",
     re.MULTILINE,
@@ -27,10 +31,10 @@ def found(name):
     return getattr(importlib.import_module(module), last)
 
 
-def shown():
-    """The objects that the pages show, each by the dotted name under which it is shown."""
+def shown(pages):
+    """The objects that pages show, each by the dotted name under which it is shown."""
     objects = {}
-    for page in sorted(PAGES.glob("*.md")):
+    for page in pages:
         for kind, name, members in DIRECTIVE.findall(page.read_text(encoding="utf-8")):
             if kind != "module":
                 objects[name] = found(name)
@@ -41,20 +45,54 @@ def shown():
     return objects
 
 
-@pytest.fixture(scope="module")
-def documented():
-    return {id(value) for value in shown().values()}
+def names_of(package):
+    """The public names of a package, without the other package that is one of them."""
+    return sorted(set(package.__all__) - {"programs"})
+
+
+@pytest.mark.parametrize(
+    ("package", "alias"), [(viscorod, "vr"), (viscorod.programs, "vd")], ids=["viscorod", "programs"]
+)
+def test_every_public_name_has_a_page_that_uses_it(package, alias):
+    """One page shows its docstring and has it in a code cell, which another test runs."""
+    used = set()
+    for page in CLASSES.glob("*.md"):
+        code = "\n".join(CELL.findall(page.read_text(encoding="utf-8")))
+        described = {id(value) for value in shown([page]).values()}
+        words = set(re.findall(rf"\b{alias}\.(\w+)", code))
+        used |= {name for name in words & set(names_of(package)) if id(getattr(package, name)) in described}
+    assert [name for name in names_of(package) if name not in used] == []
 
 
 @pytest.mark.parametrize("package", [viscorod, viscorod.programs], ids=lambda package: package.__name__)
-def test_every_public_name_is_in_the_reference(package, documented):
-    names = set(package.__all__) - {"programs"}  # a package of its own, the other parameter
-    missing = [name for name in sorted(names) if id(getattr(package, name)) not in documented]
-    assert missing == []
+def test_every_public_name_is_in_the_table_of_contents(package):
+    """Each page too is named there, once."""
+    text = (PAGES / "index.md").read_text(encoding="utf-8")
+    contents = set(re.findall(r"`(\w+)`", text.partition("## The data set")[0]))
+    assert [name for name in names_of(package) if name not in contents] == []
+    assert sorted(re.findall(r"^classes/(\w+)$", text, re.MULTILINE)) == sorted(
+        page.stem for page in CLASSES.glob("*.md")
+    )
 
 
 def test_public_names_have_docstrings():
-    assert [name for name, value in shown().items() if not (value.__doc__ or "").strip()] == []
+    pages = PAGES.rglob("*.md")
+    assert [name for name, value in shown(pages).items() if not (value.__doc__ or "").strip()] == []
+
+
+def test_code_of_the_pages_fits_their_width():
+    """Longer lines are cut at the edge of a page."""
+    kinds = r"(?:python|\{code-cell\} ipython3)"
+    long = [
+        f"{page.relative_to(PAGES.parent)}: {line}"
+        for page in sorted(PAGES.parent.rglob("*.md"))
+        for code in re.findall(
+            rf"^```{kinds}\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        )
+        for line in code.splitlines()
+        if len(line) > WIDTH
+    ]
+    assert long == []
 
 
 def test_words_of_the_glossary_exist():
@@ -94,3 +132,24 @@ def test_commands_of_the_pages_exist(page, text):
         elif hasattr(command, "commands"):
             assert word in command.commands, f"{page}: {text}"
             command = command.commands[word]
+
+
+MODULES = ("architecture", "decisions", "extend", "glossary")
+"""Pages that also name modules, such as `model.fields`."""
+PYTHON_PAGES = [page for page in sorted(PAGES.parent.rglob("*.md")) if page.stem not in MODULES]
+
+
+@pytest.mark.parametrize("page", PYTHON_PAGES, ids=lambda page: page.stem)
+def test_names_in_the_text_of_pages_exist(page):
+    """What stands as `vr.name`, `model.name` or `run.name` in a sentence or a table can be typed."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    owners = {"vr": viscorod, "model": viscorod.Model, "run": viscorod.Run}
+    set_on_objects = {"rods", "bodies", "loads", "supports", "materials", "sections", "joints", "springs"}
+    files = {"nc", "png", "html", "partial", "pvd", "toml"}
+    missing = [
+        f"{owner}.{name}"
+        for code in re.findall(r"`([^`\n]+)`", text)
+        for owner, name in re.findall(r"\b(vr|model|run)\.([a-z_A-Z]\w*)", code)
+        if not hasattr(owners[owner], name) and name not in set_on_objects | files
+    ]
+    assert missing == []

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.pictures import written
 from helpers.small_frame import Moved, frame
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict, parse_case
@@ -272,7 +273,7 @@ def test_a_result_is_saved_drawn_and_told(tmp_path):
     text = str(found)
     for words in ("A turning bar", "steady rotation at 5 rad/s", "Axis (0, 0, 1)", "Slowest small motions"):
         assert words in text
-    assert found.plot(tmp_path / "steady.png").is_file()
+    assert written(found.plot, tmp_path / "steady.png").is_file()
     assert (found.formulation, found.damping, len(found.frequencies)) == ("geometric", "full", 4)
     size = np.abs(found.eigenvalues)
     assert found.damping_ratios * size == pytest.approx(-found.eigenvalues.real)

@@ -21,6 +21,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Check, Key
+from viscorod.model.fields.signature import parameters, signature
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.co_simulation import CoSimulationSettings
@@ -268,12 +269,8 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
 
 def _signature(kind: type[Definition]) -> inspect.Signature:
     """Return the signature of a method that takes these arguments."""
-    parameters = [inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)]
-    for name, known in sorted(kind.model_fields.items(), key=lambda item: bool(item[1].kw_only)):
-        by_name = inspect.Parameter.KEYWORD_ONLY if known.kw_only else inspect.Parameter.POSITIONAL_OR_KEYWORD
-        default = inspect.Parameter.empty if known.is_required() else known.default
-        parameters.append(inspect.Parameter(name, by_name, default=default, annotation=known.annotation))
-    return inspect.Signature(parameters)
+    first = inspect.Parameter("self", inspect.Parameter.POSITIONAL_ONLY)
+    return signature([first, *parameters(kind.model_fields)])
 
 
 def _documented(text: str | None, kind: type[Definition]) -> str | None:

@@ -36,6 +36,10 @@ MODES = 6
 SMALL = 1e-4
 """Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
 
+STATIC_ONLY = (
+    "a section was given without inertia: there are equilibria, paths and critical loads, and no motions"
+)
+
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
 
 
@@ -151,6 +155,8 @@ def _first_modes(discrete: DiscreteModel) -> _FirstModes:
     solver, state = discrete.static, State.reference(discrete.problem)
     if many_parts(discrete.problem):
         return _FirstModes(np.zeros(0), np.zeros(0), (), (), [])
+    if not all(rod.has_inertia for rod in discrete.model.rods.values()):
+        return _FirstModes(np.zeros(0), np.zeros(0), (), (), [STATIC_ONLY])
     discrete.announce_modes()
     linear = linearise(solver, state, scale=0.0)
     modes = complex_modes(solver, state, linear, MODES + linear.rigid)
@@ -238,7 +244,7 @@ def _rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
     return {
         "rod": name,
         "length [m]": rod.length,
-        "mass [kg]": rod.mass,
+        "mass [kg]": rod.mass if rod.has_inertia else "not given",
         "elements": elements,
         "order": part.order,
     }

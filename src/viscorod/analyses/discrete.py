@@ -21,6 +21,7 @@ from viscorod.mechanics.elements import geometric_element as geometric
 from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.model.actions.rest_strain import RestStrain
+from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
@@ -42,6 +43,7 @@ from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.checks import require_fit
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
@@ -160,6 +162,10 @@ class DiscreteModel:
         if isinstance(settings, SimulateSettings):
             require_fit(model, settings)
             formulation = formulation or (settings.formulation, settings.damping)
+        if settings is not None and not isinstance(
+            settings, EquilibriumSettings | PathSettings | BucklingSettings
+        ):
+            require_inertia(model)
         notes: dict[str, str] = {}
         if isinstance(settings, EquilibriumSettings | PathSettings) and model.strains:
             model = with_strains_at_rest(model)
@@ -189,6 +195,11 @@ class DiscreteModel:
         )
         began = time.perf_counter()
         return cls(model, problem, formulation, system, supports, static, attributes, options, watch, began)
+
+    @property
+    def inertia_known(self) -> bool:
+        """Whether the inertia of all rods is known."""
+        return all(rod.has_inertia for rod in self.model.rods.values())
 
     def renewed(self, options: CallOptions, attributes: dict[str, str]) -> DiscreteModel:
         """Return the same problem with solvers that have not been used: they keep stresses from one use to the next.

@@ -77,7 +77,9 @@ class _Equilibrium:
         if staged and watch.feasible:
             begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
         watch.see(self.history.records[-1].states.at(-1), factor)
-        found = {"found_by": self._found_by()} | stability_attributes(search.stability)
+        found = {"found_by": self._found_by()} | stability_attributes(
+            search.stability, inertia_known=self.discrete.inertia_known
+        )
         return self._result(Outcome.COMPLETED, found | watch.attributes)
 
     def _forget(self, kept: int, stops: tuple[float, ...]) -> None:

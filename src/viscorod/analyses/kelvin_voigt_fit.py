@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
@@ -18,7 +19,13 @@ from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
+from viscorod.shown import Shown, span
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["KelvinVoigtFit", "kelvin_voigt_fit"]
 
@@ -26,8 +33,8 @@ OUTSIDE = 100.0
 """How far beyond the relaxation times a comparison goes if no band is given."""
 
 
-@dataclass(frozen=True, eq=False)
-class KelvinVoigtFit:
+@dataclass(frozen=True, eq=False, repr=False)
+class KelvinVoigtFit(WellNamed, Shown):
     """A Kelvin-Voigt solid beside the complex modulus that it stands for.
 
     Attributes:
@@ -45,6 +52,20 @@ class KelvinVoigtFit:
     viscosity: float
     frequency: Floats
     exact: Complexes
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{self.strain}, {self.method.replace('_', ' ')} fit"
+        yield f"modulus {self.modulus:.4g} Pa"
+        yield f"retardation time {self.time:.4g} s"
+        yield span(*self.band, "Hz")
+
+    def _drawing(self) -> str:
+        drawing, along = Drawing(equal=False), np.log10(self.frequency)
+        for modulus, faint in ((self.exact, False), (self.fitted, True)):
+            for part in (modulus.real, modulus.imag):
+                size = np.log10(np.maximum(part, 1e-3 * float(np.abs(self.exact).min())))
+                drawing.line(np.stack([along, size], axis=-1), faint=faint)
+        return drawing.svg()
 
     @property
     def time(self) -> float:
@@ -98,12 +119,23 @@ class KelvinVoigtFit:
             f"{storage:.2g} % at most, the loss modulus by {loss:.2g} %."
         )
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw storage and loss modulus of both over frequency, and the relative errors; returns the path."""
-        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit  # here: it loads Matplotlib
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw storage and loss modulus of both over frequency, and the relative errors.
 
-        return write(draw_fit(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the moduli alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_kelvin_voigt_fit import draw_fit
+
+        return delivered(draw_fit(self, ax), path)
 
 
 @checked

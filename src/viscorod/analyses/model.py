@@ -31,6 +31,9 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
     from viscorod.results.buckling import Buckling
@@ -251,7 +254,9 @@ class Model(ModelDescription):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.theories import compare_theories
+        from viscorod.model.description.consistency import require_inertia
 
+        require_inertia(self)
         return compare_theories(DiscreteModel.of(self), settings)
 
     @takes(ResponseArguments)
@@ -380,23 +385,24 @@ class Model(ModelDescription):
         return stability(DiscreteModel.of(self, call, call.options), call)
 
     @checked
-    def draw(self, path: str | Path, title: str = "") -> Path:
+    def draw(self, path: str | Path | None = None, title: str = "", *, ax: Axes | None = None) -> Figure:
         """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
 
         Args:
-            path: picture to write; the suffix gives the format (.png, .pdf, .svg).
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             title: above the picture.
+            ax: axes of yours to draw into.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the model is inconsistent, or the picture cannot be written.
         """
         from viscorod.pictures.drawing.model_drawing import draw_assembly
-        from viscorod.pictures.style import write
+        from viscorod.pictures.picture import delivered
 
-        return write(draw_assembly(self, title), path)
+        return delivered(draw_assembly(self, title, ax), path)
 
     def with_known_times(self) -> Model:
         """Return the model with the times of its materials known: those from a mode (`MeasuredDamping`) are found.

@@ -85,7 +85,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         attrs["message"] = _failure(discrete, path, history)
     found = None
     if path.count:
-        attrs |= stability_attributes(last[-1])
+        attrs |= stability_attributes(last[-1], inertia_known=discrete.inertia_known)
         found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
     if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
         raise SolveError(attrs["message"], found)

@@ -12,13 +12,13 @@ from typing import Any, TypeVar
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
-from viscorod.casefile.units import Conversion
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import nearest
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.units import Conversion
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 

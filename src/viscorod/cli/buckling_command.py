@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
@@ -65,7 +65,7 @@ def buckling(
                 raise
             typer.echo(f"error: {error}", err=True)
             found, code = error.run, 1
-        written = [found.save(folder / "buckling.nc"), found.plot(folder / "buckling.png")]
+        written = [found.save(folder / "buckling.nc"), picture_at(found.plot, folder / "buckling.png")]
         typer.echo(found.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
         if code:

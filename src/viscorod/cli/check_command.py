@@ -8,14 +8,14 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, output_option
 from viscorod.cli.terminal import readable_errors, rows_text
 from viscorod.results.text_table import listed
 
 if TYPE_CHECKING:
     from viscorod.analyses.check import CheckReport
-    from viscorod.casefile.units import Conversion
+    from viscorod.units import Conversion
 
 __all__ = ["check"]
 
@@ -34,7 +34,7 @@ def check(
         loaded = load_case(existing(case))
         folder = writable(output or Path("out") / case.stem)
         # before anything is solved: the picture shows why something may fail
-        picture = as_model(loaded.description).draw(folder / "assembly.png", loaded.title)
+        picture = picture_at(as_model(loaded.description).draw, folder / "assembly.png", loaded.title)
         try:
             discrete = DiscreteModel.of(loaded.description, validated=True)
             report = check_model(discrete, loaded.settings)

@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.key_values import SetValues, drawn, named, part_of, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.sweep_command import (
@@ -91,9 +91,9 @@ def ensemble(
                 result.table().to_csv(table)
                 written.append(table)
                 try:
-                    written.append(result.plot(folder / "quantiles.png"))
+                    written.append(picture_at(result.plot, folder / "quantiles.png"))
                     if indices:
-                        written.append(result.plot_indices(folder / "indices.png"))
+                        written.append(picture_at(result.plot_indices, folder / "indices.png"))
                 except InputError as error:  # too few members for a picture are still data
                     typer.echo(f"no picture: {error}", err=True)
             typer.echo(f"\nWritten: {', '.join(map(str, written))}")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -16,7 +17,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Equilibrium, Run
     from viscorod.results.steady_result import Steady
 
-__all__ = ["existing", "motion", "opened", "rod_of", "writable"]
+__all__ = ["existing", "motion", "opened", "picture_at", "rod_of", "writable"]
 
 
 def existing(case: Path) -> Path:
@@ -42,6 +43,12 @@ def writable(folder: Path) -> Path:
             f"{folder} cannot be written: {there} is not a folder you can write to; name another with -o"
         )
     return folder
+
+
+def picture_at(plot: Callable[..., object], path: Path, *arguments: object) -> Path:
+    """Write the picture of a result, by its method; return the path."""
+    plot(path, *arguments)
+    return path
 
 
 def rod_of(case: Path, name: str | None) -> tuple[str, Rod]:

@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from viscorod.cli.files import case_for, writable
+from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
@@ -46,7 +46,7 @@ def _follow(kind: str, path: Path, output: Path | None) -> None:
         written = [
             result.save(folder / f"{kind}.nc"),
             result.save_csv(folder / f"{kind}.csv"),
-            result.plot(folder / f"{kind}.png"),
+            picture_at(result.plot, folder / f"{kind}.png"),
         ]
         typer.echo(result.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")

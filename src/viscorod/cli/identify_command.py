@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.files import writable
+from viscorod.cli.files import picture_at, writable
 from viscorod.cli.options import ResultFolder
 from viscorod.cli.terminal import readable_errors
 
@@ -40,7 +40,7 @@ def identify(
         written = [
             result.save(folder / "fit.nc"),
             result.page(folder / "fit.html"),
-            result.plot(folder / "fit.png"),
+            picture_at(result.plot, folder / "fit.png"),
         ]
         for number in range(len(result.words("cases"))):
             path = folder / ("case.toml" if number == 0 else f"case_{number + 1}.toml")

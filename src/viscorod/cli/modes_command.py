@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import readable_errors
 
@@ -54,6 +54,6 @@ def modes(
         settings |= {name: value for name, value in given.items() if value is not None}
         folder = writable(output or Path("out") / case.stem)
         found = as_model(loaded.description).modes(**settings, title=loaded.title)
-        written = [found.save(folder / "modes.nc"), found.plot(folder / "modes.png")]
+        written = [found.save(folder / "modes.nc"), picture_at(found.plot, folder / "modes.png")]
         typer.echo(found.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")

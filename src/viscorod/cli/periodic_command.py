@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
-from viscorod.cli.files import case_for, writable
+from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
@@ -44,10 +44,10 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
 def _write(result: Periodic, folder: Path) -> None:
     """Write and report a curve of motions."""
     written = [result.save(folder / "periodic.nc"), result.save_csv(folder / "periodic.csv")]
-    written.append(result.plot(folder / "amplitude.png"))
+    written.append(picture_at(result.plot, folder / "amplitude.png"))
     if result.multipliers.shape[1]:
-        written.append(result.plot(folder / "multipliers.png", "multipliers"))
+        written.append(picture_at(result.plot, folder / "multipliers.png", "multipliers"))
     if result.has_loops:
-        written.append(result.plot(folder / "loops.png", "loops"))
+        written.append(picture_at(result.plot, folder / "loops.png", "loops"))
     typer.echo(result.report())
     typer.echo(f"\nWritten: {', '.join(map(str, written))}")

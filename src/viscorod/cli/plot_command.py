@@ -14,8 +14,6 @@ from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from viscorod.results.result import Result
 
 __all__ = ["plot"]
@@ -96,40 +94,19 @@ def plot(
                     )
                 )
         target = output or result.with_name(f"{what}.png")
-        from viscorod.pictures.style import write
-
+        found = opened(result) if what in ("modes", "strain") else motion(result, f"--what {what}")
         if what == "modes":
-            picture = _modes(opened(result), count or 6, about)
-        elif what == "strain":
-            from viscorod.pictures.plots.plot_strain import draw_strain
-
-            picture = draw_strain(opened(result), component, rod)
+            _draw_modes(found, target, count or 6, about)
         else:
-            run = motion(result, f"--what {what}")
-            if what == "tip":
-                from viscorod.pictures.plots.plot_motion import draw_tip
-
-                picture = draw_tip(run, place, axis)
-            elif what == "energy":
-                from viscorod.pictures.plots.plot_energy import draw_energy
-
-                picture = draw_energy(run)
-            elif what == "phase":
-                from viscorod.pictures.plots.plot_phase import draw_phase
-
-                picture = draw_phase(run, place, axis)
-            else:
-                from viscorod.pictures.plots.plot_strain import draw_space_time
-
-                picture = draw_space_time(run, quantity or "section_force", component, rod)
-        typer.echo(f"Written: {write(picture, target)}")
+            taken = {key: value for key, value in given.items() if value is not None}
+            getattr(found, f"plot_{what.replace('-', '_')}")(target, **taken)
+        typer.echo(f"Written: {target}")
 
 
-def _modes(result: Result, count: int, about: str | None) -> Figure:
+def _draw_modes(result: Result, target: Path, count: int, about: str | None) -> None:
     """Draw the modes of the model that the result was computed from, or of the rotation that it is."""
     from viscorod.analyses.case_run import as_model
     from viscorod.casefile.case import case_from_dict
-    from viscorod.pictures.plots.plot_modes import draw_modes
     from viscorod.results.steady_result import Steady
 
     if isinstance(result, Steady):
@@ -137,11 +114,12 @@ def _modes(result: Result, count: int, about: str | None) -> Figure:
             raise InputError(
                 f"--about: {about}: the modes of a steady rotation are those about its own shape"
             )
-        return draw_modes(result, result.modes, count)
+        result.plot_modes(target, count)
+        return
     content = json.loads(result.data.attrs.get("case", "{}"))
     try:
         case = case_from_dict({**content, "equilibrium": {}})
     except InputError as error:
         raise InputError(f"the model in this result cannot be rebuilt for its modes: {error}") from None
     model = as_model(case.description)
-    return draw_modes(result, model.modes(count, about=cast(Any, about or "equilibrium")))
+    model.modes(count, about=cast(Any, about or "equilibrium")).plot(target)

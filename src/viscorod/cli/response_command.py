@@ -6,7 +6,7 @@ from pathlib import Path
 
 import typer
 
-from viscorod.cli.files import case_for, writable
+from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import readable_errors
@@ -35,7 +35,7 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
             result, code = error.run, 1
         assert isinstance(result, FrequencyResponse)
         written = [result.save(folder / "response.nc")]
-        written += [result.plot(folder / f"{kind}.png", kind) for kind in ("bode", "nyquist")]
+        written += [picture_at(result.plot, folder / f"{kind}.png", kind) for kind in ("bode", "nyquist")]
         typer.echo(result.report())
         typer.echo(f"\nWritten: {', '.join(map(str, written))}")
         if code:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
-from viscorod.cli.files import existing, writable
+from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.key_values import SetValues, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
@@ -158,9 +158,12 @@ def _write(
     from viscorod.results.run import Run
 
     if isinstance(result, Run):
-        pictures = [result.plot(folder / "motion.png"), result.plot_energy(folder / "energy.png")]
+        pictures = [
+            picture_at(result.plot, folder / "motion.png"),
+            picture_at(result.plot_energy, folder / "energy.png"),
+        ]
         return [folder / "run.nc", *pictures]
     known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
     result.data.attrs["warnings"] = json.dumps([*doubts, *known])
-    picture = result.plot(folder / f"{result.picture}.png")
+    picture = picture_at(result.plot, folder / f"{result.picture}.png")
     return [result.save(folder / "run.nc"), picture]

@@ -7,7 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
-from viscorod.cli.files import existing
+from viscorod.cli.files import existing, picture_at
 from viscorod.cli.options import CaseFile, OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
@@ -61,4 +61,4 @@ def theories(
         )
         typer.echo(f"{loaded.title}\n{found}" if loaded.title else str(found))
         if output is not None:
-            typer.echo(f"\nWritten: {found.plot(output)}")
+            typer.echo(f"\nWritten: {picture_at(found.plot, output)}")

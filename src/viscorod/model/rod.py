@@ -3,15 +3,16 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
-from typing import Annotated, Any, Self, TypeAlias
+from typing import Annotated, Any, Self
 
 import numpy as np
 from pydantic import model_validator
 
-from viscorod.errors import InputError
-from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
+from viscorod.errors import Fault, InputError
+from viscorod.model.along_curves import AlongCurves
+from viscorod.model.cable import GYRATION, SLACK, with_direction
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
@@ -22,6 +23,8 @@ from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, Key, accepts
 from viscorod.model.fields.values import Flag, OptionalDirection, choose, number, whole_number
 from viscorod.model.materials.material import Material
+from viscorod.model.rod_checks import require_consistent
+from viscorod.model.rod_turning import turning_along
 from viscorod.model.sections.curved_section import curved_branches, curved_matrices, curved_parts
 from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
@@ -30,6 +33,7 @@ from viscorod.model.sections.section_kinks import kinks
 from viscorod.model.sections.section_laws import section_law
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
+from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats
 
 __all__ = ["CENTRELINES", "Rod"]
@@ -43,26 +47,17 @@ CENTRELINES: dict[str, type[Definition]] = {
 }
 """The centre lines by their word in a case file; a new one is one class and one line here."""
 
-Point: TypeAlias = Sequence[float]
 MOST_ELEMENTS = 100_000
 HIGHEST_ORDER = 12
 DEFAULT_ORDER = 5
 TURN_PER_NODE = 2.0 * math.pi / 15.0
 """Bending and twisting of the reference shape from node to node: an element of the default order, which turns by a
 third of a circle then, follows it to 4e-7 of its length."""
-SLACK = 1e-12
-"""Bending stiffness of a cable over axial stiffness times the square of its length: its sections need a direction.
-Its influence on the shape is of this order over the strain of the cable."""
-GYRATION = 1e-5
-"""Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of
-stretch, or each cable had slow vibrations of twist that mean nothing."""
 NODES_PER_ROD = 10
-SAMPLES, MOST_SAMPLES = 64, 4096
-"""Pieces of a rod in which it is measured how far the reference shape turns."""
+DRAWN = 120
+"""Points of a small drawing."""
 FEW_SAMPLES = 32
 """Intervals in which kinks of sections are sought that need a mesh of their own at every station."""
-FINE = 0.5
-"""Turning of a piece that needs no smaller ones, rad."""
 
 
 @accepts(named_or("material"), "name of a material in quotes, or a table")
@@ -90,20 +85,7 @@ def _whole_or_auto(high: int) -> Check[int | None]:
     return parse
 
 
-def _with_direction(stiffness: Floats, inertia: Floats, length: float) -> tuple[Floats, Floats]:
-    """Return stiffness and inertia of a section of a rod; those of a cable with what gives its sections a direction."""
-    if stiffness[3:].any():
-        return stiffness, inertia
-    bending, turning = SLACK * length**2, (GYRATION * length) ** 2
-    inertia = inertia.copy()
-    inertia[3:], inertia[:, 3:] = 0.0, 0.0
-    return (
-        stiffness + stiffness[2, 2] * np.diag([0, 0, 0, bending, bending, turning]),
-        inertia + inertia[2, 2] * np.diag([0, 0, 0, turning, turning, turning]),
-    )
-
-
-class Rod(Definition):
+class Rod(AlongCurves, Definition):
     """A rod in its reference shape, where it is free of stress.
 
     What the section's axes are without `d1` is said in `Centreline.frames`.
@@ -153,116 +135,27 @@ class Rod(Definition):
     )
 
     @classmethod
-    def straight(
-        cls,
-        start: Point,
-        end: Point,
-        *,
-        section: SectionProfile,
-        material: Material | None = None,
-        elements: int | None = None,
-        order: int | None = None,
-        d1: Point | None = None,
-        twist: Twist = 0.0,
-        constraints: str | Sequence[str] = (),
-        law: AnySectionLaw | None = None,
-        tilt: Tilt = (0.0, 0.0, 0.0),
-        curvature_correction: bool = False,
-    ) -> Self:
-        """Make a straight rod; see `Straight`."""
-        return cls._along(Straight, {"start": start, "end": end}, locals())
-
-    @classmethod
-    def arc(
-        cls,
-        start: Point,
-        tangent: Point,
-        normal: Point,
-        radius: float,
-        angle: float,
-        *,
-        section: SectionProfile,
-        material: Material | None = None,
-        elements: int | None = None,
-        order: int | None = None,
-        d1: Point | None = None,
-        twist: Twist = 0.0,
-        constraints: str | Sequence[str] = (),
-        law: AnySectionLaw | None = None,
-        tilt: Tilt = (0.0, 0.0, 0.0),
-        curvature_correction: bool = False,
-    ) -> Self:
-        """Make a rod along a circular arc; see `Arc`."""
-        given = {"start": start, "tangent": tangent, "normal": normal, "radius": radius, "angle": angle}
-        return cls._along(Arc, given, locals())
-
-    @classmethod
-    def helix(
-        cls,
-        radius: float,
-        pitch: float,
-        turns: float,
-        centre: Point = (0.0, 0.0, 0.0),
-        axis: Point = (0.0, 0.0, 1.0),
-        phase: float = 0.0,
-        handedness: str = "right",
-        *,
-        section: SectionProfile,
-        material: Material | None = None,
-        elements: int | None = None,
-        order: int | None = None,
-        d1: Point | None = None,
-        twist: Twist = 0.0,
-        constraints: str | Sequence[str] = (),
-        law: AnySectionLaw | None = None,
-        tilt: Tilt = (0.0, 0.0, 0.0),
-        curvature_correction: bool = False,
-    ) -> Self:
-        """Make a rod along a helix; see `Helix`."""
-        given = {"radius": radius, "pitch": pitch, "turns": turns, "centre": centre, "axis": axis}
-        return cls._along(Helix, {**given, "phase": phase, "handedness": handedness}, locals())
-
-    @classmethod
-    def through(
-        cls,
-        points: Sequence[Point],
-        *,
-        section: SectionProfile,
-        material: Material | None = None,
-        elements: int | None = None,
-        order: int | None = None,
-        d1: Point | None = None,
-        twist: Twist = 0.0,
-        constraints: str | Sequence[str] = (),
-        law: AnySectionLaw | None = None,
-        tilt: Tilt = (0.0, 0.0, 0.0),
-        curvature_correction: bool = False,
-    ) -> Self:
-        """Make a rod along a smooth curve through points; see `ThroughPoints`."""
-        return cls._along(ThroughPoints, {"points": points}, locals())
-
-    @classmethod
-    def curve(
-        cls,
-        function: Callable[[float], Sequence[float] | Floats],
-        *,
-        section: SectionProfile,
-        material: Material | None = None,
-        elements: int | None = None,
-        order: int | None = None,
-        d1: Point | None = None,
-        twist: Twist = 0.0,
-        constraints: str | Sequence[str] = (),
-        law: AnySectionLaw | None = None,
-        tilt: Tilt = (0.0, 0.0, 0.0),
-        curvature_correction: bool = False,
-    ) -> Self:
-        """Make a rod along a curve given by a function; see `ParametricCurve`."""
-        return cls._along(ParametricCurve, {"function": function}, locals())
-
-    @classmethod
     def _along(cls, kind: type[Centreline], curve: dict[str, Any], given: dict[str, Any]) -> Self:
         return cls(kind(**curve), **{name: given[name] for name in cls.model_fields if name != "centreline"})
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{type(self.centreline).__name__} of {self.length:.6g} m"
+        if isinstance(self.section, AnySection):
+            yield repr(self.section)
+        else:
+            changing = type(self.section).__name__ if isinstance(self.section, Definition) else "a function"
+            yield f"section that changes: {changing}"
+        if self.material is not None:
+            yield repr(self.material)
+        if self.constraints:
+            yield ", ".join(self.constraints)
+        yield f"{self.elements} elements" if self.elements else "elements chosen by the program"
+
+    def _drawing(self) -> str:
+        points = self.frames(np.linspace(0.0, self.length, DRAWN))[0]
+        drawing = Drawing()
+        drawing.line(on_paper([points])[0])
+        return drawing.svg()
 
     @property
     def length(self) -> float:
@@ -272,10 +165,21 @@ class Rod(Definition):
     @property
     def mass(self) -> float:
         """Mass, kg: the integral of the sections' mass per length; by 16 Gauss points where a section varies."""
+        if not self.has_inertia:
+            raise InputError(
+                Fault(
+                    "mass",
+                    "",
+                    "a section was given without inertia",
+                    "give its inertia, mass per length first",
+                )
+            )
+        if self.material is not None and self.material.pending:
+            return self.replaced(material=self.material.with_damping(None)).mass
         if self.uniform:
             return self.length * float(self.matrices_at(0.0)[2][0, 0])
         points, weights = np.polynomial.legendre.leggauss(1 if isinstance(self.section, Piecewise) else 16)
-        ends = np.array([0.0, *self.section_breaks, self.length])
+        ends = np.array([0.0, *sorted({*self.section_breaks, *self.kinks}), self.length])
         middles, halves = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
         return float(
             sum(
@@ -286,6 +190,11 @@ class Rod(Definition):
         )
 
     @property
+    def has_inertia(self) -> bool:
+        """Whether the inertia of all its sections is known."""
+        return all(section.has_inertia for _, section in self.typical_sections())
+
+    @property
     def constrained_strains(self) -> tuple[bool, ...]:
         """For shear 1, shear 2, stretch, bend 1, bend 2, twist: whether the strain keeps its reference value."""
         return constrained_strains(self.constraints)
@@ -294,12 +203,12 @@ class Rod(Definition):
     def viscous(self) -> bool:
         """Whether any section has dashpots of Kelvin and Voigt, or will have."""
         pending = self.material is not None and self.material.pending
-        return pending or any(self.matrices_at(s)[1].any() for s, _ in self._sections())
+        return pending or any(self.matrices_at(s)[1].any() for s, _ in self.typical_sections())
 
     @property
     def relaxing(self) -> bool:
         """Whether any section has Maxwell branches."""
-        return any(len(self.branches_at(s)[0]) for s, _ in self._sections())
+        return any(len(self.branches_at(s)[0]) for s, _ in self.typical_sections())
 
     @property
     def section_breaks(self) -> tuple[float, ...]:
@@ -360,7 +269,7 @@ class Rod(Definition):
         if self.curvature_correction:
             matrices = curved_matrices(matrices, section, material, self.curvature_at(s))
         stiffness, damping, inertia = matrices
-        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
+        stiffness, inertia = with_direction(stiffness, inertia, self.length)
         return stiffness, damping, inertia
 
     def curvature_at(self, s: float) -> Floats:
@@ -403,7 +312,7 @@ class Rod(Definition):
         """Whether a section bends and twists at no cost."""
         return any(
             not section.matrices(self.material if section.needs_material else None)[0][3:].any()
-            for _, section in self._sections()
+            for _, section in self.typical_sections()
         )
 
     def branches_at(self, s: float) -> Branches:
@@ -460,23 +369,10 @@ class Rod(Definition):
 
     @cached_property
     def _turning(self) -> tuple[Floats, Floats]:
-        """Stations, and the angles of the frame there: by the frames, or by the curvature if that is more.
+        """Stations, and the angles of the frame there."""
+        return turning_along(self)
 
-        Frames show the rotation between two stations, but not whole turns.
-        """
-        count = SAMPLES
-        while True:
-            s = np.linspace(0.0, self.length, count + 1)
-            frames = self.frames(s)[1]
-            trace = np.einsum("nij,nij->n", frames[:-1], frames[1:])
-            seen = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
-            bent = np.linalg.norm(self.centreline.curvature(0.5 * (s[:-1] + s[1:])), axis=1) * np.diff(s)
-            step = np.maximum(seen, np.hypot(bent, np.diff(self.centreline.twisted(s, self.twist))))
-            if step.max() < FINE or count >= MOST_SAMPLES:
-                return s, np.concatenate([[0.0], np.cumsum(step)])
-            count *= 8
-
-    def _sections(self) -> list[tuple[float, AnySection]]:
+    def typical_sections(self) -> list[tuple[float, AnySection]]:
         """Return representative sections, with a station of each."""
         if isinstance(self.section, Piecewise):
             return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.pieces]
@@ -486,101 +382,8 @@ class Rod(Definition):
 
     @model_validator(mode="after")
     def _consistent(self) -> Self:
-        self._finite()
-        if isinstance(self.section, Piecewise):
-            self._pieces_cover_length(self.section)
-        sections = self._sections()
-        reasons = [section.no_material for _, section in sections]
-        if self.material is not None and None not in reasons:
-            raise RefusedError(
-                reasons[0] or "",
-                "leave material out",
-                found="",
-                at=("material",),
-            )
-        if self.material is None and None in reasons:
-            raise RefusedError(
-                "a section given by its shape needs a material for its stiffness and mass",
-                "add material",
-                found="",
-                at=("material",),
-            )
-        for s, section in sections:
-            self._usable(s, section)
-            if self.curvature_correction and not section.outline:
-                raise RefusedError(
-                    f"the curvature of {type(section).__name__} cannot be counted: its points are not known",
-                    "describe the section by its shape, or leave curvature_correction out",
-                    at=("curvature_correction",),
-                )
-        if self.curvature_correction and self.tilted:
-            raise RefusedError(
-                "the curvature of a rod with oblique sections cannot be counted",
-                "leave tilt or curvature_correction out",
-                found="true",
-                at=("curvature_correction",),
-            )
-        if self.curvature_correction:
-            self._inside_the_curve()
+        require_consistent(self)
         return self
-
-    def _inside_the_curve(self) -> None:
-        """Refuse sections that reach to the centre of curvature."""
-        for s in np.linspace(0.0, self.length, 65).tolist():
-            corners = np.array([corner for outer, _ in self.section_at(s).outline for corner in outer])
-            bent = self.curvature_at(s)
-            if not (1.0 + corners[:, 1] * bent[0] - corners[:, 0] * bent[1] > 0.0).all():
-                raise RefusedError(
-                    f"its section reaches to the centre of curvature at s = {s:.6g} m",
-                    "make the section thinner or the radius larger",
-                    at=("section",),
-                    found=f"radius {1.0 / np.linalg.norm(bent):.6g} m",
-                )
-
-    def _finite(self) -> None:
-        with np.errstate(all="ignore"):
-            shape = np.concatenate([array.ravel() for array in self.frames([0.0, self.length])])
-        if not (SMALLEST_NUMBER <= self.length <= LARGEST_NUMBER and np.isfinite(shape).all()):
-            raise RefusedError(
-                f"the rod has the length {self.length:g} m and no usable shape in double precision",
-                "give lengths of a usual size in m",
-                found="",
-            )
-
-    def _pieces_cover_length(self, section: Piecewise) -> None:
-        last = section.pieces[-1].until
-        if abs(last - self.length) > 1e-9 * self.length:
-            raise RefusedError(
-                f"the last piece must end at the end of the rod, {self.length:.12g} m",
-                f"give until = {self.length:.12g} in the last piece",
-                found=show(last),
-                at=("section", "pieces", len(section.pieces) - 1, "until"),
-            )
-
-    def _usable(self, s: float, section: AnySection) -> None:
-        """Refuse sections whose stiffness or mass is not a positive number in double precision."""
-        material = self.material if section.needs_material else None
-        if material is not None and material.pending:
-            material = material.with_damping(None)
-        try:
-            with np.errstate(all="ignore"):
-                stiffness, damping, inertia = section.matrices(material)
-        except (OverflowError, ZeroDivisionError):
-            stiffness = damping = inertia = np.full((6, 6), math.nan)
-        except InputError as error:
-            raise RefusedError(str(error)) from None
-        stiffness, inertia = _with_direction(stiffness, inertia, self.length)
-        diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
-        usual = (diagonal >= SMALLEST_NUMBER) & (diagonal <= LARGEST_NUMBER)
-        if not np.isfinite(damping).all() or not usual.all():
-            entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))
-            raise RefusedError(
-                f"its stiffness or mass per length is not a positive number at s = {s:.6g} m, "
-                f"or beyond any quantity in SI units",
-                "give dimensions and moduli in SI units; for a very flat ellipse also shear_factor_1 and _2",
-                found=f"{diagonal[entry]:.6g} for {type(section).__name__}",
-                at=("section",),
-            )
 
     def to_dict(self) -> dict[str, Any]:
         """Return the rod as a table of the case file: the keys of the centre line beside the others."""

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap
-    from matplotlib.figure import Figure
+    from matplotlib.figure import Figure, SubFigure
 
     from viscorod.results.result import Result
 
@@ -35,9 +35,10 @@ def figure(width: float, height: float) -> Figure:
     Margins are fixed: measuring all texts for a layout takes longer than drawing them.
     """
     from matplotlib.backends.backend_agg import FigureCanvasAgg
-    from matplotlib.figure import Figure
 
-    result = Figure(figsize=(width, height), dpi=DPI)
+    from viscorod.pictures.picture import Picture
+
+    result = Picture(figsize=(width, height), dpi=DPI)
     result.subplots_adjust(
         left=0.9 / width,
         right=1.0 - 0.25 / width,
@@ -81,7 +82,7 @@ def time_colours() -> LinearSegmentedColormap:
     return LinearSegmentedColormap.from_list("time", colormaps["viridis"](np.linspace(0.0, 0.88, 64)))
 
 
-def colour_bar(picture: Figure, axes: Axes, mappable: ScalarMappable, label: str) -> None:
+def colour_bar(picture: Figure | SubFigure, axes: Axes, mappable: ScalarMappable, label: str) -> None:
     """Put a labelled colour bar beside an axes."""
     bar = picture.colorbar(mappable, ax=axes, aspect=28, pad=0.03)
     bar.set_label(label, fontsize=TEXT)

@@ -9,10 +9,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.casefile.units import si_of, si_value
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.typing import Floats
+from viscorod.units import si_of, si_value
 
 __all__ = ["Columns", "name_and_unit", "si_factor", "si_size", "stacked"]
 

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Buckling"]
 
@@ -24,6 +30,13 @@ class Buckling(Result):
 
     kind: ClassVar[str] = "buckling"
     what: ClassVar[str] = "list of critical loads"
+
+    def _facts(self) -> Iterator[str]:
+        factors = self.load_factors
+        yield counted(len(factors), "critical load")
+        if len(factors):
+            yield f"the first at the load factor {factors[0]:.5g}"
+        yield from super()._facts()
 
     @property
     def load_factors(self) -> Floats:
@@ -106,12 +119,31 @@ class Buckling(Result):
         return "\n\n".join(blocks)
 
     @checked
-    def plot(self, path: str | Path, count: int | None = None) -> Path:
-        """Draw the shapes in which the model gives way, or the first ``count`` of them; returns the path."""
-        from viscorod.pictures.plots.plot_buckling import draw_buckling
-        from viscorod.pictures.style import write
+    def plot(
+        self,
+        path: str | Path | None = None,
+        count: int | None = None,
+        *,
+        number: int | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the shapes in which the model gives way.
 
-        return write(draw_buckling(self, count), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            count: how many are drawn, all by default; number: of one that is drawn alone, from 1.
+            ax: axes of yours to draw into: one shape, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such load, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_buckling import draw_buckling
+
+        return delivered(draw_buckling(self, count, number, ax), path)
 
     def __str__(self) -> str:
         return self.report()

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -13,6 +13,10 @@ from viscorod.results.followed_modes import FollowedModes, error_text
 from viscorod.results.stateless_result import Variables
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Campbell", "CriticalSpeed"]
 
@@ -136,19 +140,20 @@ class Campbell(FollowedModes):
         return table("Critical speeds", header, rows)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw frequencies and damping ratios over the speed, with engine orders, critical speeds and limits.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the frequencies alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_campbell import draw_campbell
-        from viscorod.pictures.style import write
 
-        return write(draw_campbell(self), path)
+        return delivered(draw_campbell(self, ax), path)

@@ -2,15 +2,21 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Decay"]
 
@@ -50,6 +56,14 @@ class Decay(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "mode")
+        yield f"{self.frequencies[0]:.4g} Hz, damping ratio {self.damping_ratios[0]:.3g}"
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        return self._column("time"), np.stack([self._column("model"), self._column("rest")], axis=-1)
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)
@@ -128,19 +142,20 @@ class Decay(StatelessResult):
         return "\n\n".join(blocks)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the samples with what was fitted, what is left over, and the damping ratio over the amplitude.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the samples and what was fitted alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_decay import draw_decay
-        from viscorod.pictures.style import write
 
-        return write(draw_decay(self), path)
+        return delivered(draw_decay(self, ax), path)

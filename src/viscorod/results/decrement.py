@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked_with, numbers
 from viscorod.errors import InputError
 from viscorod.results.extremes import creeping_rest, maxima, resting_value
+from viscorod.shown import Shown, counted
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 _FLOOR = 1e-6  # maxima below this part of the largest amplitude are what the solver's tolerance left
@@ -22,8 +26,8 @@ _SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, 
 _UNDAMPED = 1e-3  # ratios below it scatter by the errors of the integration
 
 
-@dataclass(frozen=True)
-class Decrement:
+@dataclass(frozen=True, repr=False)
+class Decrement(WellNamed, Shown):
     """Successive maxima (or minima) of a decaying motion; n of them bound n - 1 cycles.
 
     Attributes:
@@ -39,6 +43,20 @@ class Decrement:
     rest: float | Floats
     time: Floats
     value: Floats
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{self.place} along {self.axis}"
+        yield counted(len(self.period), "cycle")
+        if len(self.period):
+            name, ratio = self.limit
+            yield f"damping ratio {ratio:.4g} ({name})"
+
+    def _drawing(self) -> str:
+        drawing = Drawing(equal=False)
+        drawing.line(np.stack([self.time, self.rest_at(self.time)], axis=-1), faint=True)
+        drawing.line(np.stack([self.time, self.value], axis=-1))
+        drawing.dots(np.stack([self.time, self.value], axis=-1))
+        return drawing.svg()
 
     @property
     def amplitude(self) -> Floats:

@@ -20,6 +20,8 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import pandas as pd
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["CONFIDENCE", "Design", "Ensemble"]
 
@@ -300,33 +302,78 @@ class Ensemble(Sweep):
         return table("Sobol' indices (95 %)", ("quantity", "key", "alone", "in all"), lines)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
-        """Draw the distribution of every quantity with its quantiles and their errors; returns the path."""
-        from viscorod.pictures.plots.plot_ensemble import draw_quantiles
-        from viscorod.pictures.style import write
-
-        return write(draw_quantiles(self), path)
-
-    @checked
-    def plot_indices(self, path: str | Path) -> Path:
-        """Draw the Sobol' indices of every quantity, the largest on top; returns the path."""
-        from viscorod.pictures.plots.plot_ensemble import draw_indices
-        from viscorod.pictures.style import write
-
-        return write(draw_indices(self), path)
-
-    @checked
-    def plot_fan(self, path: str | Path, name: str) -> Path:
-        """Draw the quantiles over time of a quantity that is a history; returns the path.
+    def plot(
+        self,
+        path: str | Path | None = None,
+        *,
+        name: str | None = None,
+        x: str | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the distribution of every quantity with its quantiles and their errors, or members over a number.
 
         Args:
-            path: of the picture.
-            name: of the quantity.
-        """
-        from viscorod.pictures.plots.plot_ensemble import draw_fan
-        from viscorod.pictures.style import write
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            name: of a quantity that is drawn alone.
+            x: key of a number over which the members are drawn instead, see ``Sweep.plot``.
+            ax: axes of yours to draw into: one quantity, by default the first.
 
-        return write(draw_fan(self, name), path)
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such quantity or number, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_ensemble import draw_quantiles
+
+        if x is not None:
+            return super().plot(path, name=name, x=x, ax=ax)
+        return delivered(draw_quantiles(self, name, ax), path)
+
+    @checked
+    def plot_indices(
+        self, path: str | Path | None = None, *, name: str | None = None, ax: Axes | None = None
+    ) -> Figure:
+        """Draw the Sobol' indices of every quantity, the largest on top.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            name: of a quantity that is drawn alone.
+            ax: axes of yours to draw into: one quantity, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such quantity, no indices, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_ensemble import draw_indices
+
+        return delivered(draw_indices(self, name, ax), path)
+
+    @checked
+    def plot_fan(
+        self, path: str | Path | None = None, name: str | None = None, *, ax: Axes | None = None
+    ) -> Figure:
+        """Draw the quantiles over time of a quantity that is a history.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            name: of the quantity; by default the first that is a history.
+            ax: axes of yours to draw into: the same.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such history, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_ensemble import draw_fan
+
+        return delivered(draw_fan(self, name, ax), path)
 
     def _attributes(self) -> dict[str, str]:
         return super()._attributes() | {"ensemble": self.design.record}

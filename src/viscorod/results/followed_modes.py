@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from abc import abstractmethod
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
@@ -13,6 +14,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
 __all__ = ["FollowedModes", "Limit", "Meeting", "error_text"]
@@ -91,6 +93,16 @@ class FollowedModes(StatelessResult):
             "meeting_frequency": (("meeting",), "Hz", "there"),
             "meeting_gap": (("meeting",), "Hz", "least distance that was seen"),
         } | cls.more
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.modes), "mode")
+        word = self.along.replace("_", " ")
+        yield f"{word} {span(float(self.values[0]), float(self.values[-1]), '' if self.unit == '1' else self.unit)}"
+        yield counted(len(self.limits), "limit of stability", "limits of stability")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        return self.values, self.frequencies
 
     @property
     def values(self) -> Floats:

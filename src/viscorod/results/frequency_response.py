@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
@@ -14,7 +15,12 @@ from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["FrequencyResponse"]
 
@@ -56,6 +62,17 @@ class FrequencyResponse(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.outputs), "output")
+        yield counted(len(self.inputs), "input")
+        yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield counted(len(self.poles), "pole")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        size = np.abs(self.values[:, :1, 0])
+        return self.frequencies, np.log10(np.maximum(size, np.finfo(float).tiny))
 
     @property
     def frequencies(self) -> Floats:
@@ -205,24 +222,26 @@ class FrequencyResponse(StatelessResult):
         )
 
     @checked
-    def plot(self, path: str | Path, kind: str = "bode") -> Path:
+    def plot(self, path: str | Path | None = None, kind: str = "bode", *, ax: Axes | None = None) -> Figure:
         """Draw the responses.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             kind: "bode" (size and phase over frequency), "nyquist" (in the complex plane) or "space" (both over
                 frequency, in three dimensions).
+            ax: axes of yours to draw into: the sizes of the responses of the first unit, or the first response in the
+                complex plane or in space.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: there is no such kind, or the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_response import draw_response
-        from viscorod.pictures.style import write
 
-        return write(draw_response(self, kind), path)
+        return delivered(draw_response(self, kind, ax), path)
 
     @staticmethod
     def _number(what: str, given: str | int, known: tuple[str, ...]) -> int:

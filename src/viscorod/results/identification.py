@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -11,9 +12,13 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.shown import counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
     from viscorod.casefile.case import Case
 
 __all__ = ["Identification", "Law", "Number"]
@@ -136,6 +141,13 @@ class Identification(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        numbers = list(self.numbers.values())
+        yield counted(len(numbers), "number")
+        told = sum(one.told for one in numbers)
+        yield f"{told} told by the data"
+        yield from super()._facts()
 
     @property
     def level(self) -> float:
@@ -277,12 +289,23 @@ class Identification(StatelessResult):
         return identification_report(self)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
-        """Draw data and model over each other with the residuals; returns the path."""
-        from viscorod.pictures.plots.plot_identification import draw_identification
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw data and model over each other with the residuals.
 
-        return write(draw_identification(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the first series without its residuals.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_identification import draw_identification
+
+        return delivered(draw_identification(self, ax), path)
 
     @checked
     def page(self, path: str | Path) -> Path:

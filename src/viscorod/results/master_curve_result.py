@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -12,8 +13,13 @@ from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["MasterCurve"]
 
@@ -54,6 +60,15 @@ class MasterCurve(StatelessResult):
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.temperatures), "sweep")
+        yield f"at {self.reference:.4g} °C"
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        moduli = np.stack([self._column("curve_storage"), self._column("curve_loss")], axis=-1)
+        return np.log10(self._column("curve_frequency")), np.log10(np.maximum(moduli, np.finfo(float).tiny))
 
     @property
     def reference(self) -> float:
@@ -222,19 +237,20 @@ class MasterCurve(StatelessResult):
         return Path(path)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the moduli over reduced frequency and the shifts over temperature with their laws.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the moduli alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_master_curve import draw_master_curve
-        from viscorod.pictures.style import write
 
-        return write(draw_master_curve(self), path)
+        return delivered(draw_master_curve(self, ax), path)

@@ -3,15 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Iterator
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["ModalFit"]
 
@@ -39,6 +45,17 @@ class ModalFit(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "mode")
+        if len(self.frequencies):
+            yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield counted(len(self.data["record_name"]), "record")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        size = np.hypot(*np.moveaxis(self.data["response"].values[0], -1, 0))
+        return self._column("line_frequency"), np.log10(np.maximum(size, np.finfo(float).tiny))[:, None]
 
     def _column(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)
@@ -85,19 +102,20 @@ class ModalFit(StatelessResult):
         return "\n\n".join(blocks)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the size of the responses with the modes, and the damping ratios over the frequency.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the responses alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_modal_fit import draw_modal_fit
-        from viscorod.pictures.style import write
 
-        return write(draw_modal_fit(self), path)
+        return delivered(draw_modal_fit(self, ax), path)

@@ -2,16 +2,22 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar, Self
+from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.result import Result
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["Modes"]
 
@@ -30,6 +36,24 @@ class Modes(Result):
 
     kind: ClassVar[str] = "modes"
     picture: ClassVar[str] = "modes"
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.names), "mode")
+        if len(self.names):
+            yield span(float(self.frequencies[0]), float(self.frequencies[-1]), "Hz")
+        yield f"about {self.about}"
+        yield from super()._facts()
+
+    def _drawing(self) -> str:
+        """Return where they swing about, dashed, and the first that is no rigid motion."""
+        base = self.positions
+        if self.rigid >= len(self.names):
+            return self._shapes(base, base)
+        shape = self.shapes[self.rigid]
+        shape = np.real(shape * np.exp(-0.5j * np.angle(np.sum(shape * shape))))
+        largest = float(np.abs(shape).max())
+        size = 0.15 * float(np.ptp(base, axis=0).max())
+        return self._shapes(base, base + (size / largest * shape if largest > 0.0 else 0.0))
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
@@ -149,12 +173,31 @@ class Modes(Result):
         return str(self.data.attrs.get("mode_about", "a state"))
 
     @checked
-    def plot(self, path: str | Path, count: int | None = None) -> Path:
-        """Draw the modes, or the first ``count`` of them; returns the path."""
-        from viscorod.pictures.plots.plot_modes import draw_modes
-        from viscorod.pictures.style import write
+    def plot(
+        self,
+        path: str | Path | None = None,
+        count: int | None = None,
+        *,
+        number: int | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the modes.
 
-        return write(draw_modes(self, self, count), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            count: how many are drawn, all by default; number: of one that is drawn alone, from 1.
+            ax: axes of yours to draw into: one mode, by default the first.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such mode, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_modes import draw_modes
+
+        return delivered(draw_modes(self, self, count, number, ax), path)
 
     def _values(self, name: str) -> Floats:
         return np.asarray(self.data[name].values, dtype=float)

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -13,7 +13,12 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
+from viscorod.shown import counted, span
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["NO_INPUT", "Periodic"]
 
@@ -81,6 +86,19 @@ class Periodic(StatelessResult):
     def variables(cls) -> Variables:
         """See :class:`StatelessResult`."""
         return VARIABLES
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.frequencies), "motion")
+        yield span(float(self.frequencies.min()), float(self.frequencies.max()), "Hz")
+        if self.bifurcations:
+            yield counted(len(self.bifurcations), "bifurcation")
+        yield from super()._facts()
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        over = str(self.data.attrs.get("over"))
+        if over == "amplitude":
+            return self.amplitude(0), self.frequencies[:, None]
+        return self.levels if over == "level" else self.frequencies, self.amplitude(0)[:, None]
 
     @property
     def outcome(self) -> str:
@@ -335,24 +353,28 @@ class Periodic(StatelessResult):
         return write(columns, path)
 
     @checked
-    def plot(self, path: str | Path, kind: str = "amplitude") -> Path:
+    def plot(
+        self, path: str | Path | None = None, kind: str = "amplitude", *, ax: Axes | None = None
+    ) -> Figure:
         """Draw the curve.
 
         Args:
-            path: picture to write; the suffix gives the format.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             kind: "amplitude" (of all outputs over frequency or level, unstable motions dashed), "multipliers" (in the
                 complex plane), "loops" (hysteresis of the first input that is a force, of some motions).
+            ax: axes of yours to draw into: the amplitudes of the first unit, the frequency of free vibrations, or the
+                other kinds.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: there is no such kind, or the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_periodic import draw_periodic
-        from viscorod.pictures.style import write
 
-        return write(draw_periodic(self, kind), path)
+        return delivered(draw_periodic(self, kind, ax), path)
 
     @cached_property
     def _known(self) -> dict[str, np.ndarray]:

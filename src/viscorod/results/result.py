@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -12,16 +12,21 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
 from viscorod.results.result_places import ResultPlace, ResultPlaces
+from viscorod.shown import Shown, counted
+from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from viscorod.results.derivative import Derivative
     from viscorod.results.probe import Places
@@ -31,7 +36,7 @@ if TYPE_CHECKING:
 Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
 
 
-class Result(ABC):
+class Result(WellNamed, Shown, ABC):
     """A data set with the methods that all kinds of result have."""
 
     kind: ClassVar[str]
@@ -50,6 +55,13 @@ class Result(ABC):
         self.data = annotated(data, self.kind)
 
     @classmethod
+    def owning(cls, data: xr.Dataset) -> Self:
+        """Return a result of a data set that nobody else has; it is not copied."""
+        result = cls.__new__(cls)
+        result.data = annotated(data, cls.kind, own=True)
+        return result
+
+    @classmethod
     def later(cls, build: Callable[[], xr.Dataset]) -> Self:
         """Return a result whose data set is built on first use; ``build`` must not depend on when."""
         result = cls.__new__(cls)
@@ -59,7 +71,7 @@ class Result(ABC):
     @cached_property
     def data(self) -> xr.Dataset:
         """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.data_schema``."""
-        data = annotated(self._build(), self.kind)
+        data = annotated(self._build(), self.kind, own=True)
         del self._build
         return data
 
@@ -200,19 +212,19 @@ class Result(ABC):
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        data = self.data[[name, "reference_position"]]
+        found, reference = self.data.variables[name], self.data.variables["reference_position"]
         try:
-            data = data.isel({self.dimension: states})
+            found = found.isel({self.dimension: states})
             if stations is not None:
-                data = data.isel(station=stations)
+                found, reference = found.isel(station=stations), reference.isel(station=stations)
         except (IndexError, KeyError, TypeError, ValueError) as error:
             sizes = f"{self.data.sizes[self.dimension]} states and {self.data.sizes['station']} stations"
             raise InputError(
                 f"states, stations: {states!r}, {stations!r}: these are no numbers of states or stations ({error}); "
                 f"there are {sizes}, numbered from 0"
             ) from None
-        values = np.asarray(data[name].values, dtype=float)
-        return values - data["reference_position"].values if quantity == "displacement" else values
+        values = np.asarray(found.values, dtype=float)
+        return values - reference.values if quantity == "displacement" else values
 
     @checked
     def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
@@ -279,25 +291,72 @@ class Result(ABC):
         return validity_of(self)
 
     @checked
-    def plot_stress(self, path: str | Path, place: str | int, time: float | None = None) -> Path:
+    def plot_stress(
+        self,
+        path: str | Path | None = None,
+        place: str | int | None = None,
+        time: float | None = None,
+        *,
+        ax: Axes | None = None,
+    ) -> Figure:
         """Draw axial stress, shear stress and von Mises stress over the section at a place.
 
         Args:
-            path: picture to write; the suffix determines the format (.png, .pdf, .svg).
-            place: on a rod, see ``stress``.
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            place: on a rod, see ``stress``; by default that of the largest von Mises stress.
             time: of a run [s]; by default the stored one with the largest von Mises stress there. Equilibria and steady
                 rotations show their last state.
+            ax: axes of yours to draw into: the von Mises stress alone.
 
         Returns:
-            The path.
+            The figure; a notebook shows it.
 
         Raises:
             InputError: as of ``stress``, or a time outside the run, or of what is no run.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_stress import draw_stress
-        from viscorod.pictures.style import write
 
-        return write(draw_stress(self, place, time), path)
+        return delivered(draw_stress(self, self._most_stressed() if place is None else place, time, ax), path)
+
+    def _most_stressed(self) -> str:
+        """Return the place with the largest von Mises stress of all states."""
+        from viscorod.results.largest_stress import largest_stress
+
+        found = largest_stress(self)
+        if found is None:
+            raise InputError(
+                "place: the sections of this result have no known points; name a place for the reason"
+            )
+        return f"{found.rod}@{found.s!r}"
+
+    @checked
+    def plot_strain(
+        self,
+        path: str | Path | None = None,
+        component: str | None = None,
+        rod: str | None = None,
+        *,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the strains: the largest of every component over time or load, and one of them along a rod.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            component: "shear_1", "shear_2", "stretch", "bend_1", "bend_2" or "twist"; by default what changes most.
+            rod: by default the one where it changes most.
+            ax: axes of yours to draw into: the profiles along the rod alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such component or rod, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_strain import draw_strain
+
+        return delivered(draw_strain(self, component, rod, ax), path)
 
     @cached_property
     def recorded_rods(self) -> RecordedRods:
@@ -360,3 +419,28 @@ class Result(ABC):
 
     def __str__(self) -> str:
         return self.report()
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.sites.rods), "rod")
+        bodies = {place.partition(".")[0] for place in self.sites.bodies}
+        if bodies:
+            yield counted(len(bodies), "body", "bodies")
+        yield counted(int(self.data.sizes["station"]), "station")
+        if self.outcome != "completed":
+            yield self.outcome
+
+    def _drawing(self) -> str:
+        """Return the reference shape, dashed, and the shape in the last state."""
+        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        return self._shapes(reference, self.field("position", states=-1))
+
+    def _shapes(self, faint: Floats, main: Floats) -> str:
+        """Return a small drawing of two shapes, positions of the stations ``(station, 3)`` each."""
+        parts = [self.sites.stations(rod) for rod in self.sites.rods]
+        bodies = np.array([int(self.sites.stations(body)[0]) for body in self.sites.bodies], dtype=int)
+        seen = on_paper([*(faint[k] for k in parts), *(main[k] for k in parts), main[bodies]])
+        drawing = Drawing()
+        for number, line in enumerate(seen[:-1]):
+            drawing.line(line, faint=number < len(parts))
+        drawing.dots(seen[-1])
+        return drawing.svg()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -20,11 +20,15 @@ from viscorod.results.energy import Energy
 from viscorod.results.extremes import resting_value
 from viscorod.results.result import Result
 from viscorod.results.result_places import ResultPlace
+from viscorod.results.run_pictures import RunPictures
 from viscorod.results.step_error import step_errors
+from viscorod.shown import counted, span
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
     from viscorod.results.damping_validity import DampingValidity
     from viscorod.results.element_points import Poses
@@ -35,17 +39,22 @@ _SPECIAL = ("limit_points", "bifurcations", "flutter_points")
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
 
 
-class Run(Result):
+class Run(RunPictures):
     """A motion over time; ``data`` holds it whole, with ``time`` index 0 the initial state."""
 
     kind: ClassVar[str] = "simulate"
     ends_of_steps: Floats = np.zeros(0)
     """Times [s] at which its steps ended, known where derivatives were wanted."""
 
+    def _facts(self) -> Iterator[str]:
+        yield span(float(self.time[0]), float(self.time[-1]), "s")
+        yield counted(len(self.time), "state")
+        yield from super()._facts()
+
     @property
     def time(self) -> Floats:
         """Stored times [s]."""
-        return np.asarray(self.data["time"].values, dtype=float)
+        return np.asarray(self.data.variables["time"].values, dtype=float)
 
     @cached_property
     def step_ends(self) -> Integers | None:
@@ -257,51 +266,6 @@ class Run(Result):
 
         return run_report(self)
 
-    @checked
-    def plot(self, path: str | Path, place: str | int | None = None, axis: str | None = None) -> Path:
-        """Draw the motion: history with envelope, snapshots of the rods, damping ratio of every cycle.
-
-        Args:
-            path: picture to write; the suffix determines the format (.png, .pdf, .svg).
-            place: place whose history is drawn; by default the one that moves most.
-            axis: global axis of the history; by default the one along which the place moves most.
-
-        Returns:
-            The path.
-        """
-        from viscorod.pictures.plots.plot_motion import draw_motion
-        from viscorod.pictures.style import write
-
-        return write(draw_motion(self, place, axis), path)
-
-    @checked
-    def plot_energy(self, path: str | Path) -> Path:
-        """Draw the energy account over time; returns the path."""
-        from viscorod.pictures.plots.plot_energy import draw_energy
-        from viscorod.pictures.style import write
-
-        return write(draw_energy(self), path)
-
-    @checked
-    def animate(self, path: str | Path, *, fps: float = 25.0, speed: float | None = None) -> Path:
-        """Write a film of the motion, uniform in time, in fixed limits.
-
-        Args:
-            path: .mp4 (needs ffmpeg: pip install 'viscorod[animate]') or .gif.
-            fps: frames per second of the film; those of a .gif last whole hundredths of a second.
-            speed: seconds of motion in one second of film. By default 1 for a motion of 2 to 60 s, else a round number
-                for which the film lasts about 10 s.
-
-        Returns:
-            The path.
-
-        Raises:
-            InputError: the suffix is unknown, ffmpeg is missing, or there would be too many frames.
-        """
-        from viscorod.pictures.animation import write_film
-
-        return write_film(self, path, fps=fps, speed=speed)
-
 
 class Equilibrium(Result):
     """A static equilibrium; the last load factor is the result, the earlier ones are the steps to it.
@@ -310,6 +274,13 @@ class Equilibrium(Result):
     """
 
     kind: ClassVar[str] = "equilibrium"
+
+    def _facts(self) -> Iterator[str]:
+        factors = self.load_factor
+        yield f"load factor {span(float(factors.min()), float(factors.max()), '')}"
+        yield counted(len(factors), "state")
+        yield "stable" if self.stable else "unstable"
+        yield from super()._facts()
 
     @property
     def load_factor(self) -> Floats:
@@ -430,16 +401,24 @@ class Equilibrium(Result):
         return equilibrium_report(self)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw the reference shape and the way to the equilibrium, for a path also loads over displacement.
 
-        Returns the path of the picture.
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the shapes, or of a path the load factor over displacement.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
         """
+        from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_path import draw_path
         from viscorod.pictures.plots.plot_shape import draw_shape
-        from viscorod.pictures.style import write
 
-        return write(draw_path(self) if self.is_path else draw_shape(self), path)
+        return delivered(draw_path(self, ax) if self.is_path else draw_shape(self, ax), path)
 
     @property
     def _reference(self) -> Floats:

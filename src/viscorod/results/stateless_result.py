@@ -4,15 +4,19 @@ from __future__ import annotations
 
 import json
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.shown import Shown, counted
+from viscorod.small_drawing import Drawing
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -25,7 +29,7 @@ Variables = dict[str, tuple[tuple[str, ...], str, str]]
 """Name -> dimensions, unit and long name."""
 
 
-class StatelessResult(ABC):
+class StatelessResult(WellNamed, Shown, ABC):
     """An ``xarray.Dataset`` whose variables are all known, ``data``."""
 
     kind: ClassVar[str]
@@ -67,6 +71,23 @@ class StatelessResult(ABC):
 
     def __str__(self) -> str:
         return self.report()
+
+    def _facts(self) -> Iterator[str]:
+        if self.outcome != "completed":
+            yield self.outcome
+        if self.warnings:
+            yield counted(len(self.warnings), "warning")
+
+    def _curves(self) -> tuple[Floats, Floats]:
+        """Return what its small drawing shows: places ``(n,)`` and values over them ``(n, curves)``."""
+        return np.zeros(0), np.zeros((0, 0))
+
+    def _drawing(self) -> str:
+        along, values = self._curves()
+        drawing = Drawing(equal=False)
+        for curve in values.T:
+            drawing.line(np.stack([along, curve], axis=-1))
+        return drawing.svg()
 
     @property
     def title(self) -> str:

@@ -2,17 +2,23 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
-from typing import ClassVar
+from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.result import Result
+from viscorod.shown import counted
 from viscorod.solve.modes.vibrations import Modes
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 
 class Steady(Result):
@@ -22,6 +28,16 @@ class Steady(Result):
     """
 
     kind: ClassVar[str] = "steady"
+
+    def _facts(self) -> Iterator[str]:
+        yield f"{float(np.linalg.norm(self.spin)):.4g} rad/s"
+        growing = int(self.data.attrs["unstable"])
+        yield (
+            f"{counted(growing, 'small motion')} {'grows' if growing == 1 else 'grow'}"
+            if growing
+            else "stable"
+        )
+        yield from super()._facts()
 
     @property
     def spin(self) -> Floats:
@@ -154,12 +170,50 @@ class Steady(Result):
         return steady_report(self)
 
     @checked
-    def plot(self, path: str | Path) -> Path:
-        """Draw the reference shape and the one that turns; returns the path."""
-        from viscorod.pictures.plots.plot_shape import draw_shape
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw the reference shape and the one that turns.
 
-        return write(draw_shape(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the shapes.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_shape import draw_shape
+
+        return delivered(draw_shape(self, ax), path)
+
+    @checked
+    def plot_modes(
+        self,
+        path: str | Path | None = None,
+        count: int | None = None,
+        *,
+        number: int | None = None,
+        ax: Axes | None = None,
+    ) -> Figure:
+        """Draw the small motions about it, see ``Modes.plot``.
+
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            count: how many are drawn, all by default; number: of one that is drawn alone, from 1.
+            ax: axes of yours to draw into: one of them.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: there is no such mode, or the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_modes import draw_modes
+
+        return delivered(draw_modes(self, self.modes, count, number, ax), path)
 
     def _values(self, name: str) -> Floats:
         values: Floats = np.asarray(self.data[name].values, dtype=float)

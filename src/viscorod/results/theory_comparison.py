@@ -2,15 +2,23 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
+from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.attributes import WellNamed
 from viscorod.results.text_table import listed, table
+from viscorod.shown import Shown
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
 
 __all__ = ["TheoryComparison", "TheorySolution"]
 
@@ -52,8 +60,8 @@ class TheorySolution:
         return found
 
 
-@dataclass(frozen=True, eq=False)
-class TheoryComparison:
+@dataclass(frozen=True, eq=False, repr=False)
+class TheoryComparison(WellNamed, Shown):
     """Theories of a planar straight beam beside the exact one.
 
     Attributes:
@@ -76,6 +84,20 @@ class TheoryComparison:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "theories", MappingProxyType(dict(self.theories)))
+
+    def _facts(self) -> Iterator[str]:
+        yield self.sentence.partition(":")[0]
+        for word in self.theories:
+            yield f"{word.replace('_', ' ')} errs by {100.0 * self.displacement_error(word):.2g} %"
+
+    def _drawing(self) -> str:
+        across = self.exact.displacement[..., 1]
+        state = int(np.argmax(np.abs(across).max(axis=-1)))
+        drawing = Drawing(equal=False)
+        drawing.line(np.stack([self.s, across[state]], axis=-1))
+        for theory in self.theories.values():
+            drawing.line(np.stack([self.s, theory.displacement[state, :, 1]], axis=-1), faint=True)
+        return drawing.svg()
 
     def displacement_error(self, word: str) -> float:
         """Return the largest difference of displacements from the exact ones over the largest of these."""
@@ -128,12 +150,23 @@ class TheoryComparison:
             verdict = f"{self.theories[self.enough].title} is enough (within {100.0 * self.within:.3g} %)"
         return f"For {what} {verdict}: {errors}."
 
-    def plot(self, path: str | Path) -> Path:
-        """Draw deflections and bending moments of all theories; returns the path."""
-        from viscorod.pictures.plots.plot_theories import draw_theories  # here: it loads Matplotlib
-        from viscorod.pictures.style import write
+    def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
+        """Draw deflections and bending moments of all theories.
 
-        return write(draw_theories(self), path)
+        Args:
+            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
+            ax: axes of yours to draw into: the deflections alone.
+
+        Returns:
+            The figure; a notebook shows it.
+
+        Raises:
+            InputError: the picture cannot be written.
+        """
+        from viscorod.pictures.picture import delivered
+        from viscorod.pictures.plots.plot_theories import draw_theories
+
+        return delivered(draw_theories(self, ax), path)
 
     def __str__(self) -> str:
         header = (

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors
 
@@ -61,7 +62,7 @@ def decay(
         found = taken_apart(record, start=start, end=end, modes=modes, cycles=cycles)
         typer.echo(found.report())
         if output is not None:
-            written = [found.save(output / "decay.nc"), found.plot(output / "decay.png")]
+            written = [found.save(output / "decay.nc"), picture_at(found.plot, output / "decay.png")]
             typer.echo("\nWritten: " + ", ".join(map(str, written)))
 
 

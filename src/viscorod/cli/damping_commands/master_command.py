@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, numbers_of, output_option
 from viscorod.cli.terminal import readable_errors
 from viscorod.errors import Fault, InputError
@@ -52,7 +53,7 @@ def master(
             written = [
                 found.save(output / "master.nc"),
                 found.write_table(output / "master.csv"),
-                found.plot(output / "master.png"),
+                picture_at(found.plot, output / "master.png"),
             ]
             typer.echo("\nWritten: " + ", ".join(map(str, written)))
 

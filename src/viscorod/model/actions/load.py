@@ -20,7 +20,7 @@ from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_table import TimeField
 from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField
-from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.definition import RefusedError, show, some_of
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     TRIPLE,
@@ -179,6 +179,16 @@ class Gravity(AnyLoad):
         """Let everything have weight."""
         del model
         placing.everywhere(np.array(self.acceleration), self.factor)
+
+    def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
+        """Yield which rods have no weight."""
+        without = [name for name, rod in model.rods.items() if not rod.has_inertia]
+        if without:
+            yield RefusedError(
+                f"the weight of {some_of(without)} is not known: sections were given without inertia",
+                "give their inertia, mass per length first",
+                found="",
+            )
 
     def arrows(self, model: ModelDescription, t: float) -> Arrows:
         """Return one arrow that stands nowhere."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from viscorod.errors import Fault
+from viscorod.errors import Fault, InputError
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.connections import joint_checks, support_checks
@@ -16,7 +16,7 @@ from viscorod.model.fields.definition import RefusedError, path_text, show
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
 
-__all__ = ["problems"]
+__all__ = ["problems", "require_inertia"]
 
 
 def problems(model: ModelDescription) -> Iterator[Fault]:
@@ -39,6 +39,26 @@ def problems(model: ModelDescription) -> Iterator[Fault]:
     yield from strains
     if not found and not strains:
         yield from _unfit_strains(model)
+
+
+def require_inertia(model: ModelDescription) -> None:
+    """Refuse rods whose inertia is not known, for what moves.
+
+    Raises:
+        InputError: with each of them.
+    """
+    faults = [
+        Fault(
+            f"rods.{name}.section.inertia",
+            "",
+            "it was left out, and something moves here",
+            "give mass and moments of inertia per length, such as { mass = 0.5, J1 = 1e-6, J2 = 1e-6 }",
+        )
+        for name, rod in model.rods.items()
+        if not rod.has_inertia
+    ]
+    if faults:
+        raise InputError(faults)
 
 
 def _unknown_places(model: ModelDescription) -> Iterator[Fault]:

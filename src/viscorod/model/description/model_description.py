@@ -20,6 +20,7 @@ from viscorod.model.connections.support_base import AnySupport, ResolvedSupport
 from viscorod.model.description import consistency as checks
 from viscorod.model.description.connection_methods import Joined
 from viscorod.model.description.load_methods import Loaded
+from viscorod.model.description.own_parts import OwnParts
 from viscorod.model.description.support_methods import Held
 from viscorod.model.fields.arguments import Time, Vector, given
 from viscorod.model.fields.definition import RefusedError, plain_value, show
@@ -32,7 +33,7 @@ from viscorod.typing import Floats
 __all__ = ["ModelDescription"]
 
 
-class ModelDescription(Held, Loaded, Joined):
+class ModelDescription(OwnParts, Held, Loaded, Joined):
     """Rods and rigid bodies, supports, loads, joints and springs; the same words as in a case file.
 
     Places are written ``"beam.start"``, ``"beam.end"``, ``"beam@0.15"`` (arc length in m), ``"plate"`` (a body's

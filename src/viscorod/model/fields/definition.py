@@ -6,20 +6,25 @@ same classes serve the Python API (``Rectangle(0.01, 0.02)``) and the case files
 
 from __future__ import annotations
 
-import difflib
 import inspect
-import re
-import reprlib
+import math
 import textwrap
 import warnings
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
-from typing import Any, ClassVar, TypeVar, dataclass_transform
+from typing import TYPE_CHECKING, Any, ClassVar, Self, TypeVar, dataclass_transform
 
+import numpy as np
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
 
+from viscorod.attributes import UnknownAttributeError
 from viscorod.errors import Fault, InputError, users_level
-from viscorod.model.fields.metadata import Key, accepted, expected, meaning
+from viscorod.model.fields.faulty_value import FaultyValue
+from viscorod.model.fields.metadata import Key, accepted, expected, meaning, units_of
+from viscorod.model.fields.quantities import in_si
+from viscorod.model.fields.signature import parameters, signature
+from viscorod.shown import Shown
+from viscorod.wording import RefusedError, did_you_mean, nearest, path_text, show, some_of
 
 __all__ = [
     "Definition",
@@ -39,43 +44,9 @@ __all__ = [
 
 F = TypeVar("F", bound=Callable[..., Any])
 
-_SHORT = reprlib.Repr()
-_SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
-_SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
-_LONGEST, _MOST = 160, 12
-
+_LINE = 110
+"""Letters of a line for ``repr``."""
 _ARGUMENT = textwrap.TextWrapper(100, " " * 4, " " * 8, break_long_words=False, break_on_hyphens=False)
-
-
-class RefusedError(InputError):
-    """Raised inside a validator: why a value is refused and what to give instead.
-
-    `found` replaces the text for the value, `at` extends the key path (for checks that compare several keys).
-    """
-
-    def __init__(
-        self, why: str, instead: str = "", *, found: str | None = None, at: Sequence[str | int] = ()
-    ) -> None:
-        super().__init__(Fault(path_text(at), found or "", why, instead))
-        self.why, self.instead, self.found, self.at = why, instead, found, tuple(at)
-
-
-class FaultyValue:
-    """Placeholder for a value that is known to be wrong (a misspelt or missing key, an unknown name).
-
-    Whatever the validators say of it, the problem reported is the one given here; `replaces` names the
-    missing key that a misspelt one explains; `reported` leaves the problem out because it has been reported
-    elsewhere.
-    """
-
-    def __init__(
-        self, value: Any, why: str = "", instead: str = "", *, replaces: str = "", reported: bool = False
-    ) -> None:
-        self.value, self.why, self.instead = value, why, instead
-        self.replaces, self.reported = replaces, reported
-
-    def __repr__(self) -> str:
-        return repr(self.value)
 
 
 def base_init(function: F) -> F:
@@ -84,8 +55,27 @@ def base_init(function: F) -> F:
     return function
 
 
+if TYPE_CHECKING:
+    from pydantic._internal._model_construction import ModelMetaclass as DefinitionType
+else:
+
+    class DefinitionType(type(BaseModel)):
+        """The class of the classes: it shows what they have beside what Pydantic gives them."""
+
+        def __dir__(cls) -> list[str]:
+            return _own_names(type.__dir__(cls))
+
+
+_INHERITED = frozenset(dir(BaseModel))
+
+
+def _own_names(names: Iterable[str]) -> list[str]:
+    """Return the names for editors and ``help``."""
+    return sorted(name for name in names if not name.startswith("_") and name not in _INHERITED)
+
+
 @dataclass_transform(kw_only_default=False, field_specifiers=(Field, Key))
-class Definition(BaseModel):
+class Definition(BaseModel, Shown, metaclass=DefinitionType):
     """Base class of the user's objects: immutable; unknown keys refused; errors are `InputError`.
 
     Constructor arguments may be given by position, in the order of the fields, or by name.
@@ -99,6 +89,9 @@ class Definition(BaseModel):
     #: Former names of fields, which are understood with a warning, and the present ones.
     renamed: ClassVar[dict[str, str]] = {}
 
+    #: Words that are no fields and are often taken for one, and what to give instead.
+    hints: ClassVar[dict[str, str]] = {}
+
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
     unused: ClassVar[tuple[str, ...]] = ()
 
@@ -106,6 +99,8 @@ class Definition(BaseModel):
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         """Add the arguments to the docstring of the class, from the descriptions and units of its fields."""
         super().__pydantic_init_subclass__(**kwargs)
+        left_out = (*cls.unused, *([cls.tag] if cls.tag else []))
+        cls.__signature__ = signature(parameters(cls.model_fields, left_out))
         lines = _arguments(cls)
         if lines and cls.__doc__:
             cls.__doc__ = "\n".join([inspect.cleandoc(cls.__doc__), "", "Args:", *lines])
@@ -119,13 +114,80 @@ class Definition(BaseModel):
         except ValidationError as error:
             raise InputError(p.within(cls.__name__) for p in problems_from(error)) from None
 
+    if not TYPE_CHECKING:  # or every name would pass for an attribute
+
+        def __getattr__(self, name: str) -> Any:
+            """Refuse a name that is not there, with the nearest one that is."""
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_") or hasattr(type(self), name):
+                    raise
+                raise UnknownAttributeError.of(self, name) from None
+
+    def __setattr__(self, name: str, value: Any) -> None:
+        """Refuse a change, for what was checked together stays as it is."""
+        private = name.startswith("_")
+        if name in type(self).model_fields or not (private or hasattr(type(self), name)):
+            raise InputError(
+                Fault(
+                    f"{type(self).__name__}.{name}",
+                    "",
+                    "it is frozen, and cannot be changed",
+                    f"make another: replaced({name}={show(value)})"
+                    if name in type(self).model_fields
+                    else "make another",
+                )
+            )
+        super().__setattr__(name, value)
+
+    def __dir__(self) -> list[str]:
+        return _own_names(super().__dir__())
+
+    def replaced(self, **changes: Any) -> Self:
+        """Return another that was given other values for some of its arguments, which are checked again.
+
+        Raises:
+            InputError: there is no such argument, or it cannot have this value.
+        """
+        kept = {name: getattr(self, name) for name in self.model_fields_set if name not in changes}
+        return type(self)(**kept, **changes)
+
+    def __repr__(self) -> str:
+        """Return one line: what it was given, without what was left out."""
+        whole = f"{type(self).__name__}({', '.join(self._words_given(_written))})"
+        if len(whole) <= _LINE:
+            return whole
+        short = ", ".join(self._words_given(show))
+        return (
+            f"{type(self).__name__}({short if len(short) <= 2 * _LINE else short[: 2 * _LINE - 3] + '...'})"
+        )
+
+    def __str__(self) -> str:
+        return repr(self)
+
+    def _words_given(self, text: Callable[[Any], str]) -> Iterator[str]:
+        for name, field in type(self).model_fields.items():
+            value = getattr(self, name)
+            same = not field.is_required() and (value is field.default or _same(value, field.default))
+            if name != self.tag and name in self.model_fields_set and not same:
+                yield f"{name}={text(value)}"
+
+    def _facts(self) -> Iterator[str]:
+        for name, field in type(self).model_fields.items():
+            value, units = getattr(self, name), units_of(field)
+            if name == self.tag or name not in self.model_fields_set or value is None:
+                continue
+            unit = f" {units[0]}" if len(units) == 1 and units[0] not in ("1", "*") else ""
+            yield f"{name.replace('_', ' ')}: {_in_words(value)}{unit}"
+
     def __eq__(self, other: object) -> bool:
         """Return whether both are of one class and were given the same; values computed since are ignored."""
         if not isinstance(other, Definition):
             return NotImplemented
         if type(self) is not type(other) or self.__pydantic_private__ != other.__pydantic_private__:
             return False
-        return all(getattr(self, name) == getattr(other, name) for name in type(self).model_fields)
+        return all(_same(getattr(self, name), getattr(other, name)) for name in type(self).model_fields)
 
     def __hash__(self) -> int:
         return hash((type(self), *(getattr(self, name) for name in type(self).model_fields)))
@@ -137,7 +199,7 @@ class Definition(BaseModel):
             return data
         if not isinstance(data, Mapping):
             raise RefusedError("a table of keys and values is needed here", f"give {_keys(cls)}")
-        data = _with_present_names(cls, data)
+        data = in_si(cls, _with_present_names(cls, data))
         marked = {str(key): value for key, value in data.items()}
         for key in data:
             if key not in cls.model_fields and not isinstance(data[key], FaultyValue):
@@ -158,6 +220,34 @@ class Definition(BaseModel):
             ):
                 plain[name] = plain_value(value)
         return plain
+
+
+def _same(one: Any, other: Any) -> bool:
+    """Say whether two values are the same; numbers that were not given (NaN) are."""
+    if isinstance(one, np.ndarray) or isinstance(other, np.ndarray):
+        return np.array_equal(one, other)
+    if isinstance(one, float) and isinstance(other, float) and math.isnan(one):
+        return math.isnan(other)
+    return bool(one == other)
+
+
+def _written(value: Any) -> str:
+    """Return a value as it is typed, numbers without digits that say nothing."""
+    if isinstance(value, float) and float(f"{value:g}") == value:
+        return f"{value:g}"
+    if isinstance(value, tuple):
+        items = ", ".join(map(_written, value))
+        return f"({items},)" if len(value) == 1 else f"({items})"
+    return repr(value)
+
+
+def _in_words(value: Any) -> str:
+    """Return a value for a card."""
+    if isinstance(value, float):
+        return f"{value:.6g}"
+    if isinstance(value, tuple) and value and all(isinstance(item, float) for item in value):
+        return show([float(f"{item:.6g}") for item in value])
+    return repr(value) if isinstance(value, Definition) else show(value)
 
 
 def _arguments(cls: type[Definition]) -> list[str]:
@@ -194,47 +284,14 @@ def plain_value(value: Any) -> Any:
     return value
 
 
-def nearest(word: str, allowed: Iterable[str]) -> str | None:
-    """Return the allowed word most similar to `word`, or None if none is similar."""
-    words = list(allowed)
-    close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
-    return next((w for w in words if w.lower() == close[0]), None) if close else None
-
-
-def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:
-    """Return the beginning of an advice that names the allowed word nearest to `text`; empty without one."""
-    close = nearest(word, allowed) if isinstance(word, str) else None
-    return f"did you mean {text(close)}? " if close else ""
-
-
-def some_of(names: Iterable[str]) -> str:
-    """Return the names that a user gave, for a message; those after the first twelve are only counted."""
-    words = list(names)
-    rest = len(words) - _MOST
-    return ", ".join(words[:_MOST]) + (f" and {rest} more" if rest > 0 else "")
-
-
-def show(value: Any) -> str:
-    """Return `value` as short text for a message."""
-    if isinstance(value, bool):
-        return "true" if value else "false"
-    if isinstance(value, int) and value.bit_length() > 1000:
-        return "a whole number of more than 300 digits"
-    if isinstance(value, float | str | int):
-        return _SHORT.repr(value)
-    if isinstance(value, Definition):
-        return type(value).__name__
-    plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy scalars and arrays
-    text = _SHORT.repr(plain)
-    return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
-
-
 @contextmanager
 def at_key(key: str | int, value: Any) -> Iterator[None]:
     """Prefix the paths of errors about `value` with its `key`."""
     try:
         yield
     except RefusedError as error:
+        if isinstance(value, FaultyValue) and not value.reported:
+            raise RefusedError(value.why, value.instead, found=show(value.value), at=(key,)) from None
         found = show(value) if error.found is None else error.found
         raise RefusedError(error.why, error.instead, found=found, at=(key, *error.at)) from None
     except (ValidationError, InputError) as error:
@@ -276,18 +333,6 @@ def problems_of(error: ValidationError | InputError, value: Any) -> list[Fault]:
     return list(error.problems)
 
 
-def path_text(loc: Iterable[str | int]) -> str:
-    """Return a key path as text: ``("loads", 0, "value")`` -> ``loads[0].value``."""
-    text = ""
-    for part in loc:
-        if isinstance(part, int):
-            text += f"[{part}]"
-        else:
-            word = part if re.fullmatch(r"[\w-]{1,60}", part) else _SHORT.repr(part)
-            text += f".{word}" if text else word
-    return text
-
-
 def _problem(kind: str, loc: tuple[str | int, ...], value: Any, message: str, cause: Any) -> Fault:
     if isinstance(value, FaultyValue):
         found = "" if value.value is None else show(value.value)
@@ -306,6 +351,7 @@ def _unknown(cls: type[Definition], key: str, data: Mapping[Any, Any]) -> Faulty
         if close
         else f"the keys here are {_keys(cls)}"
     )
+    advice = cls.hints.get(key, advice)
     return FaultyValue(data.get(key), "no such key", advice, replaces=close or "")
 
 

@@ -65,10 +65,10 @@ def word_table(words: Sequence[str], *others: Form, bounds: Form | None = None) 
     return {"type": "object", "properties": numbers, "additionalProperties": False}
 
 
-def blocks() -> Form:
-    """Return the form of six numbers (a diagonal) or 6 rows of 6, in units of force, coupling and moment."""
+def blocks(*others: Form) -> Form:
+    """Return the form of six numbers (a diagonal) or 6 rows of 6, in units of force, coupling and moment; or others."""
     rows = [row([quantity(unit=(i > 2) + (j > 2)) for j in range(6)]) for i in range(6)]
-    return {"anyOf": [row([quantity(unit=2 * (i > 2)) for i in range(6)]), row(rows)]}
+    return {"anyOf": [row([quantity(unit=2 * (i > 2)) for i in range(6)]), row(rows), *others]}
 
 
 def of_kind(name: str) -> Form:

@@ -6,11 +6,14 @@ import math
 from abc import abstractmethod
 from typing import ClassVar, TypeAlias
 
+import numpy as np
+
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.model.sections.stress_field import StressField
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 __all__ = ["SECTION", "AnySection", "Branches", "Matrices"]
@@ -40,6 +43,11 @@ class AnySection(Definition):
         """Whether stiffness, damping and inertia come from a `Material` given beside the section."""
         return self.no_material is None
 
+    @property
+    def has_inertia(self) -> bool:
+        """Whether its inertia is known, without which nothing moves."""
+        return True
+
     def refuse_material(self, material: Material | None) -> None:
         """Refuse a material beside a section that takes none.
 
@@ -66,6 +74,13 @@ class AnySection(Definition):
             return self.extent.reach
         corners = [corner for outer, _ in self.outline for corner in outer]
         return max((math.hypot(*corner) for corner in corners), default=None)
+
+    def _drawing(self) -> str:
+        drawing = Drawing()
+        drawing.area(
+            np.array(ring, dtype=float) for region in self.outline for ring in (region[0], *region[1])
+        )
+        return drawing.svg()
 
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about the formulas used for this section."""

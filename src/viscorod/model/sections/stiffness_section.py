@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
@@ -14,13 +14,22 @@ from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
 from viscorod.model.fields.symmetry import skew_entry
 from viscorod.model.fields.values import Positive, amount, each, items, numbers, sequence
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.named_numbers import (
+    INERTIA_FORM,
+    INERTIA_NAMES,
+    STIFFNESS_FORM,
+    STIFFNESS_NAMES,
+    TIMES_FORM,
+    diagonal_by_name,
+    inertia_by_name,
+)
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.typing import Floats
 
 __all__ = ["STRAINS", "TWISTS", "Matrix", "MaxwellBranch", "StiffnessSection"]
 
 Matrix: TypeAlias = tuple[tuple[float, ...], ...]
-Given: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Floats
+Given: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Floats | Mapping[str, float]
 
 STRAINS = ("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist")
 """The six strain components, in the order used everywhere."""
@@ -37,14 +46,18 @@ PLAIN_WORDS = {
 }
 """The strains for a sentence."""
 
-_MATRIX = "6 numbers (a diagonal) or 6 rows of 6"
+_MATRIX = "6 numbers (a diagonal), 6 rows of 6 or a table of GA1, GA2, EA, EI1, EI2, GJ"
+_INERTIA = "6 numbers (a diagonal), 6 rows of 6 or a table of mass, J1, J2, J3"
 
 ROUND_OFF = 1e-12
 """Relative size below which an eigenvalue of a matrix scaled to a unit diagonal cannot be distinguished from zero."""
 
 
-def symmetric(value: Any, words: tuple[str, ...]) -> Matrix:
-    """Return `value`, six numbers (a diagonal) or six rows of six, as a symmetric matrix."""
+def symmetric(value: Any, words: tuple[str, ...], *, all_needed: bool = False) -> Matrix:
+    """Return `value`, six numbers (a diagonal), six rows of six or named numbers, as a symmetric matrix."""
+    if isinstance(value, Mapping):
+        named = inertia_by_name(value) if words is TWISTS else diagonal_by_name(value, all_needed=all_needed)
+        return tuple(map(tuple, np.diag(named).tolist()))
     rows = sequence(value)
     if len(rows) != 6:
         raise RefusedError(
@@ -139,9 +152,9 @@ def _plain(words: Sequence[str]) -> str:
     return f"{', '.join(names[:-1])} and {names[-1]} together"
 
 
-@accepts(blocks(), _MATRIX)
+@accepts(blocks(STIFFNESS_FORM), _MATRIX)
 def _stiffness(value: Any) -> Matrix:
-    matrix = symmetric(value, STRAINS)
+    matrix = symmetric(value, STRAINS, all_needed=True)
     if not np.array(matrix)[3:].any():  # a cable
         refuse_indefinite(_with_moments(matrix), STRAINS, zero_allowed=False, meaning=_COSTS)
     else:
@@ -157,14 +170,16 @@ def _with_moments(matrix: Matrix) -> Matrix:
     return tuple(map(tuple, (np.array(matrix) + np.diag([0, 0, 0, 1, 1, 1])).tolist()))
 
 
-@accepts(blocks(), _MATRIX)
-def _inertia(value: Any) -> Matrix:
+@accepts(blocks(INERTIA_FORM), _INERTIA)
+def _inertia(value: Any) -> Matrix | None:
+    if value is None:
+        return None
     matrix = symmetric(value, TWISTS)
     refuse_indefinite(matrix, TWISTS, zero_allowed=False, meaning="every motion must have kinetic energy")
     return matrix
 
 
-@accepts(blocks(), _MATRIX)
+@accepts(blocks(STIFFNESS_FORM), _MATRIX)
 def _damping(value: Any) -> Matrix | None:
     if value is None:
         return None
@@ -179,11 +194,16 @@ def _damping(value: Any) -> Matrix | None:
     return matrix
 
 
-@accepts(listed(quantity(bounds=NOT_NEGATIVE), 6, 6), "6 numbers >= 0")
+@accepts(
+    {"anyOf": [listed(quantity(bounds=NOT_NEGATIVE), 6, 6), TIMES_FORM]},
+    "6 numbers >= 0, or a table of GA1, GA2, EA, EI1, EI2, GJ",
+)
 def _times(value: Any) -> tuple[float, ...] | None:
     """Check six numbers >= 0."""
     if value is None:
         return None
+    if isinstance(value, Mapping):
+        value = diagonal_by_name(value, all_needed=False)
     times = each(numbers(value, count=6), amount)
     for index, time in enumerate(times):
         if time < 0.0:
@@ -196,11 +216,18 @@ def _times(value: Any) -> tuple[float, ...] | None:
     return times
 
 
-@accepts(blocks(), _MATRIX)
+@accepts(blocks(STIFFNESS_FORM), _MATRIX)
 def _branch_stiffness(value: Any) -> Matrix:
     matrix = symmetric(value, STRAINS)
     refuse_indefinite(matrix, STRAINS, zero_allowed=True, meaning="a branch must never give energy away")
     return matrix
+
+
+def _stand_in(stiffness: Floats) -> Floats:
+    """Return an inertia for statics, which do not depend on it: 1 kg/m, the radius of gyration of the stiffness."""
+    bending = float(np.diag(stiffness)[3:5].mean())
+    turning = bending / float(stiffness[2, 2]) if bending > 0.0 else 0.0
+    return np.diag([1.0, 1.0, 1.0, turning, turning, 2.0 * turning])
 
 
 class MaxwellBranch(Definition):
@@ -221,15 +248,30 @@ class StiffnessSection(AnySection):
     Such a section takes no material. Strains are in the order (shear_1, shear_2, stretch, bend_1, bend_2,
     twist), velocities in the order (v1, v2, v3, w1, w2, w3), all along d1, d2, d3.
 
+    A diagonal may be given by names, in any order: GA1 and GA2 against shear along d1 and d2, EA, EI1 and EI2 against
+    bending about d1 and d2, GJ; of the inertia the mass per length, J1, J2 and J3 = J1 + J2 about d1, d2 and d3.
+    Without inertia there are equilibria, paths and critical loads, and nothing that moves.
+
     Six retardation times tau give the damping D = T C T with T = diag(sqrt(tau)): symmetric, positive
     semi-definite whatever the couplings of C are, and D_ii/C_ii = tau_i. (The products diag(tau) C and
     C diag(tau) are not symmetric where C couples strains of different times, and can create energy.)
     """
 
+    hints: ClassVar[dict[str, str]] = dict.fromkeys(
+        STIFFNESS_NAMES, "give the stiffnesses as one table: stiffness = { EA = ..., EI1 = ..., ... }"
+    ) | dict.fromkeys(
+        INERTIA_NAMES, "give the inertia as one table: inertia = { mass = ..., J1 = ..., J2 = ... }"
+    )
     no_material: ClassVar[str | None] = "a section given by its stiffness takes no material"
     shape: Literal["stiffness"] = Field(default="stiffness", kw_only=True, repr=False)
     stiffness: Annotated[Given, _stiffness] = Key("C, positive definite; {}, {}, {}", "N", "N m", "N m^2")
-    inertia: Annotated[Given, _inertia] = Key("M, positive definite; {}, {}, {}", "kg/m", "kg", "kg m")
+    inertia: Annotated[Given | None, _inertia] = Key(
+        "M, positive definite; {}, {}, {}; may be left out where nothing moves",
+        "kg/m",
+        "kg",
+        "kg m",
+        default=None,
+    )
     damping: Annotated[Given | None, _damping] = Key(
         "D of S = C eps + D eps_t, positive semi-definite; {}, {}, {}",
         "N s",
@@ -270,7 +312,12 @@ class StiffnessSection(AnySection):
             damping = stiffness * np.outer(root, root)
         else:
             damping = np.zeros((6, 6)) if self.damping is None else np.array(self.damping)
-        return stiffness, damping, np.array(self.inertia)
+        return stiffness, damping, _stand_in(stiffness) if self.inertia is None else np.array(self.inertia)
+
+    @property
+    def has_inertia(self) -> bool:
+        """Whether its inertia is known."""
+        return self.inertia is not None
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
         """Return Maxwell branches: relaxation times (n,), s, and their stiffnesses (n, 6, 6)."""

@@ -16,6 +16,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.description.pending_times import without_pending_times
 from viscorod.pictures.drawing.labels import Labels
 from viscorod.pictures.drawing.load_arrows import arrows, gravity
+from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import zigzag
 from viscorod.pictures.plots.projection_view import View
 from viscorod.pictures.style import (
@@ -36,6 +37,7 @@ from viscorod.solve.problem.discretise import discretise
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 MOST_NAMES = 12
@@ -50,17 +52,17 @@ _SIDEWAYS = 0.2
 """Part of its length below which an arrow counts as standing on the paper."""
 
 
-def draw_assembly(model: ModelDescription, title: str = "") -> Figure:
-    """Return the picture of a model in its reference shape.
+def draw_assembly(model: ModelDescription, title: str = "", ax: Axes | None = None) -> Figure:
+    """Return the picture of a model in its reference shape, drawn into ``ax`` if it is given.
 
     Raises:
         InputError: the model is inconsistent.
     """
-    return _Picture(model, title).figure
+    return _Picture(model, title, ax).figure
 
 
 class _Picture:
-    def __init__(self, model: ModelDescription, title: str) -> None:
+    def __init__(self, model: ModelDescription, title: str, ax: Axes | None = None) -> None:
         self.model, self.labels = model, Labels()
         self.problem = discretise(without_pending_times(model))
         self.joints, self.springs = model.resolved_joints(), model.resolved_springs()
@@ -69,11 +71,14 @@ class _Picture:
         points = np.concatenate([*self.curves.values(), *self._seats()])
         self.size = float(np.ptp(points, axis=0).max())
         self.view = View.of(np.concatenate([points, *self._reaches(points)]))
-        self.figure = figure(10.0, 6.6)
-        self.figure.subplots_adjust(right=0.79)
-        if title:
-            self.figure.suptitle(title, fontsize=TEXT + 2.0, x=0.01, ha="left")
-        self.axes = self.figure.add_subplot()
+        if ax is None:
+            self.figure = figure(10.0, 6.6)
+            self.figure.subplots_adjust(right=0.79)
+            if title:
+                self.figure.suptitle(title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+            self.axes = self.figure.add_subplot()
+        else:
+            self.figure, self.axes = within(ax), ax
         self.view.prepare(self.axes, f"Reference shape {self.view.name}")
         self._rods()
         self._bodies()

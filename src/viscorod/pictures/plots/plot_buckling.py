@@ -6,10 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import chosen_numbers, within
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.style import BLUE, GREY, SMALL, legend_of_all, titled
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.buckling import Buckling
@@ -21,28 +23,38 @@ SIZE = 0.2
 COLUMNS = 3
 
 
-def draw_buckling(result: Buckling, count: int | None = None) -> Figure:
+def draw_buckling(
+    result: Buckling, count: int | None = None, number: int | None = None, ax: Axes | None = None
+) -> Figure:
     """Return the figure of critical shapes, each in the plane of its motion or in space.
 
     Args:
         result: what is drawn; count: how many are drawn, all by default.
+        number: of the one that is drawn alone, from 1; ax: axes for it, by default for the first.
+
+    Raises:
+        InputError: there is no such load.
     """
     factors, positions = result.load_factors, result.positions
-    count = min(count or len(factors), len(factors))
+    drawn = chosen_numbers(len(factors), count, number, ax, "critical load")
+    count = len(drawn)
     columns = min(COLUMNS, max(count, 1))
     rows = max(-(-count // columns), 1)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
-    picture = titled(result, width, height)
-    picture.subplots_adjust(top=1.0 - 1.45 / height, hspace=0.5, wspace=0.3)
+    if ax is None:
+        picture = titled(result, width, height)
+        picture.subplots_adjust(top=1.0 - 1.45 / height, hspace=0.5, wspace=0.3)
+    else:
+        picture = within(ax)
     if not count:
-        picture.text(0.05, 0.5, "no critical load was found", fontsize=SMALL)
+        (picture if ax is None else ax).text(0.05, 0.5, "no critical load was found", fontsize=SMALL)
         return picture
     curves = Curves(result)
-    for k in range(count):
+    for panel, k in enumerate(drawn, 1):
         base, shape = positions[k], result.shapes[k]
         largest = float(np.max(np.linalg.norm(shape, axis=-1)))
         moved = SIZE * float(np.max(np.ptp(base, axis=0))) / largest * shape if largest > 0.0 else shape
-        axes = picture.add_subplot(rows, columns, k + 1)
+        axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
         view = View.of(np.stack([base, base + moved, base - moved]))
         kind = "linear" if not result.exact else "it snaps" if result.limit[k] else "it buckles"
         view.prepare(axes, f"{k + 1}: load factor {factors[k]:.5g}, {kind}\n{view.name}")
@@ -54,5 +66,7 @@ def draw_buckling(result: Buckling, count: int | None = None) -> Figure:
         mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)
         view.finish(axes)
+    if ax is not None:
+        return within(ax)
     legend_of_all(picture, height)
     return picture

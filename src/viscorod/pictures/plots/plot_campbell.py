@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -45,9 +46,9 @@ OVERDAMPED = 0.9
 """Damping ratio from which on a mode may leave the picture."""
 
 
-def draw_campbell(result: Campbell) -> Figure:
-    """Return the figure of a Campbell diagram."""
-    picture, (above, _) = followed_panels(result, "angular speed [rad/s]")
+def draw_campbell(result: Campbell, ax: Axes | None = None) -> Figure:
+    """Return the figure of a Campbell diagram; into ``ax`` go the frequencies alone."""
+    picture, above = followed_panels(result, "angular speed [rad/s]", ax=ax)
     speeds, f = result.speeds, result.frequencies
     top = above.get_ylim()[1]
     for order in result.engine_orders:
@@ -80,40 +81,55 @@ def draw_campbell(result: Campbell) -> Figure:
         )
     if above.get_legend_handles_labels()[1]:
         legend_above(above, 4)
+    if ax is not None:
+        return within(ax)
     seen = "on the model that turns" if result.frame == "turning" else "from space"
     picture.text(0.01, 0.012, f"frequencies as seen {seen}", fontsize=SMALL - 0.5, color=GREY)
     return picture
 
 
-def draw_stability(result: Stability) -> Figure:
-    """Return the figure of stability along a load."""
-    return followed_panels(result, "load factor", growth=True)[0]
+def draw_stability(result: Stability, ax: Axes | None = None) -> Figure:
+    """Return the figure of stability along a load; into ``ax`` go the frequencies alone."""
+    picture = followed_panels(result, "load factor", growth=True, ax=ax)[0]
+    return picture if ax is None else within(ax)
 
 
 def followed_panels(
-    result: FollowedModes, along: str, *, growth: bool = False
-) -> tuple[Figure, tuple[Axes, Axes]]:
-    """Return a figure with frequencies above and damping ratios, or rates of ``growth``, below, and both panels."""
-    picture = figure(9.5, 8.2)
-    picture.subplots_adjust(right=0.87, top=0.9 if result.title else 0.945, hspace=0.14, bottom=0.095)
-    above = picture.add_subplot(2, 1, 1)
-    below = picture.add_subplot(2, 1, 2, sharex=above)
+    result: FollowedModes, along: str, *, growth: bool = False, ax: Axes | None = None
+) -> tuple[Figure, Axes]:
+    """Return a figure with frequencies above and damping ratios, or rates of ``growth``, below; and the upper panel.
+
+    Into ``ax`` go the frequencies alone.
+    """
+    if ax is None:
+        picture = figure(9.5, 8.2)
+        picture.subplots_adjust(right=0.87, top=0.9 if result.title else 0.945, hspace=0.14, bottom=0.095)
+        above = picture.add_subplot(2, 1, 1)
+        panels = [above, picture.add_subplot(2, 1, 2, sharex=above)]
+    else:
+        picture, above, panels = within(ax), ax, [ax]
     values, f = result.values, result.frequencies
     shown = result.eigenvalues.real if growth else 100.0 * result.damping_ratios
-    for k in range(len(result.modes)):
-        line: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
-        dashes = "-" if k < len(COLOURS) else (0, (5, 2))
-        above.plot(values, f[:, k], linestyle=dashes, **line)
-        below.plot(values, shown[:, k], linestyle=dashes, **line)
-    clean(above, "", "frequency [Hz]")
-    clean(below, along, "growth rate Re s [1/s]" if growth else "damping ratio [%]")
-    above.tick_params(labelbottom=False)
+    for axes, curves in zip(panels, (f, shown), strict=False):
+        for k in range(len(result.modes)):
+            line: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}
+            dashes = "-" if k < len(COLOURS) else (0, (5, 2))
+            axes.plot(values, curves[:, k], linestyle=dashes, **line)
+    clean(above, along if ax is not None else "", "frequency [Hz]")
     above.set_xlim(values[0], values[-1])
     above.set_ylim(0.0, 1.06 * float(f.max()) or 1.0)
-    below.set_ylim(*_range(shown, result.damping_ratios))
-    below.axhline(0.0, color=INK, linewidth=0.8)
+    if ax is None:
+        below = panels[-1]
+        clean(below, along, "growth rate Re s [1/s]" if growth else "damping ratio [%]")
+        above.tick_params(labelbottom=False)
+        below.set_ylim(*_range(shown, result.damping_ratios))
+        below.axhline(0.0, color=INK, linewidth=0.8)
+        if (result.eigenvalues.real > 1e-7 * np.abs(result.eigenvalues)).any():
+            heading(below, f"{'above' if growth else 'below'} zero: it grows")
+        if result.title:
+            picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     for number, one in enumerate(result.limits):
-        for axes in (above, below):
+        for axes in panels:
             axes.axvline(one.at, color=RED, linewidth=1.2, linestyle=(0, (1, 1.5)), zorder=1)
         above.plot(
             one.at,
@@ -125,14 +141,9 @@ def followed_panels(
             label="limit of stability" if number == 0 else "_",
         )
     _names(result, above, f[-1])
-    grows = result.eigenvalues.real > 1e-7 * np.abs(result.eigenvalues)
-    if grows.any():
-        heading(below, f"{'above' if growth else 'below'} zero: it grows")
-    if result.title:
-        picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     if above.get_legend_handles_labels()[1]:
         legend_above(above, 4)
-    return picture, (above, below)
+    return picture, above
 
 
 def _range(shown: Floats, ratios: Floats) -> tuple[float, float]:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREY,
@@ -20,6 +21,7 @@ from viscorod.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.decay_result import Decay
@@ -27,8 +29,12 @@ if TYPE_CHECKING:
 __all__ = ["draw_decay"]
 
 
-def draw_decay(decay: Decay) -> Figure:
-    """Draw a free decay."""
+def draw_decay(decay: Decay, ax: Axes | None = None) -> Figure:
+    """Draw a free decay; into ``ax`` go the samples and what was fitted alone."""
+    if ax is not None:
+        _samples(ax, decay)
+        ax.set_xlabel("time [s]")
+        return within(ax)
     picture = figure(10.0, 8.6)
     picture.suptitle(
         f"Free decay{f' of {decay.title}' if decay.title else ''}", fontsize=TEXT + 2.0, x=0.01, ha="left"
@@ -37,16 +43,10 @@ def draw_decay(decay: Decay) -> Figure:
     grid = rows[0].subgridspec(2, 1, height_ratios=(2.0, 1.0), hspace=0.12)
     lower = rows[1].subgridspec(1, 2, wspace=0.24)
     data = {name: np.asarray(decay.data[name].values, dtype=float) for name in decay.variables()}
-    factor, unit = scaled(decay.unit, data["value"] - data["rest"]) if decay.unit else (1.0, "")
-    label = f"value [{unit}]" if unit else "value"
     time = data["time"]
     upper = picture.add_subplot(grid[0])
-    clean(upper, "", label)
-    upper.plot(time, factor * data["value"], ".", color=GREY, markersize=4.0, label="samples")
-    upper.plot(time, factor * data["model"], color=BLUE, linewidth=1.3, label="damped sines")
-    upper.plot(time, factor * data["rest"], color=ORANGE, linewidth=1.3, label="rest")
+    factor, unit = _samples(upper, decay)
     upper.tick_params(labelbottom=False)
-    legend_above(upper, 3)
     middle = picture.add_subplot(grid[1], sharex=upper)
     left = data["value"] - data["model"]
     small, small_unit = scaled(decay.unit, left) if decay.unit else (1.0, "")
@@ -56,6 +56,20 @@ def draw_decay(decay: Decay) -> Figure:
     _by_amplitude(picture.add_subplot(lower[0]), data, factor, unit, 100.0, "damping ratio [%]")
     _by_amplitude(picture.add_subplot(lower[1]), data, factor, unit, 1.0, "frequency [Hz]")
     return picture
+
+
+def _samples(axes: Axes, decay: Decay) -> tuple[float, str]:
+    """Draw the samples, the damped sines and the rest; return factor and unit of their values."""
+    value, model, rest, time = (
+        np.asarray(decay.data[name].values, dtype=float) for name in ("value", "model", "rest", "time")
+    )
+    factor, unit = scaled(decay.unit, value - rest) if decay.unit else (1.0, "")
+    clean(axes, "", f"value [{unit}]" if unit else "value")
+    axes.plot(time, factor * value, ".", color=GREY, markersize=4.0, label="samples")
+    axes.plot(time, factor * model, color=BLUE, linewidth=1.3, label="damped sines")
+    axes.plot(time, factor * rest, color=ORANGE, linewidth=1.3, label="rest")
+    legend_above(axes, 3)
+    return factor, unit
 
 
 def _by_amplitude(

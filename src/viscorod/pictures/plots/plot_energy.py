@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -24,6 +25,7 @@ from viscorod.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.run import Run
@@ -31,8 +33,11 @@ if TYPE_CHECKING:
 _ROUND_OFF = 1e-14  # percent
 
 
-def draw_energy(run: Run) -> Figure:
-    """Return the figure of the account: what is where, and the numerical remainder against what moved."""
+def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
+    """Return the figure of the account: what is where, and the numerical remainder against what moved.
+
+    Into ``ax`` goes the account alone.
+    """
     energy = run.energy
     names = [
         "lost to viscosity" if np.any(energy.viscous) else "lost to viscosity (none)",
@@ -45,13 +50,16 @@ def draw_energy(run: Run) -> Figure:
     top = np.sum(parts, axis=0)
     supplied = energy.supplied
     scale, unit = scaled("J", np.maximum(top, supplied))
-    picture = figure(10.0, 6.8)
-    if run.title:
-        picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
-    picture.subplots_adjust(hspace=0.18)
-    upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2.3, 1.0))
+    if ax is None:
+        picture = figure(10.0, 6.8)
+        if run.title:
+            picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        picture.subplots_adjust(hspace=0.18)
+        upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2.3, 1.0))
+    else:
+        upper, lower = ax, None
 
-    clean(upper, "", f"energy [{unit}]")
+    clean(upper, "" if lower is not None else "time [s]", f"energy [{unit}]")
     upper.stackplot(
         energy.time,
         *(scale * part for part in parts),
@@ -73,6 +81,8 @@ def draw_energy(run: Run) -> Figure:
         upper.set_xlim(energy.time[0], energy.time[-1])
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * float(supplied.min())))
     legend_above(upper, 5 if len(names) == 3 else 3)
+    if lower is None:
+        return within(upper)
 
     clean(lower, "time [s]", "|numerical| [% of moved]")
     moved = energy.moved

@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, SMALL, TEXT, clean, figure, legend_above
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.ensemble import Ensemble
@@ -21,17 +23,24 @@ MOST = 6
 """Quantities in one picture."""
 
 
-def draw_quantiles(found: Ensemble) -> Figure:
+def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = None) -> Figure:
     """Draw the part of the members below every value, with quantiles and their 95 % intervals.
+
+    Args:
+        found: the ensemble.
+        alone: the quantity that is drawn alone; ax: axes for it, by default for the first.
 
     Raises:
         InputError: there are too few members.
     """
-    names = _names(found)
+    names = _names(found, alone, ax)
     table = found.quantiles(LEVELS)
     columns = min(2, len(names))
-    picture = _titled(found, 5.2 * columns + 0.6, 3.6 * -(-len(names) // columns) + 0.6)
-    panels = picture.subplots(-(-len(names) // columns), columns, squeeze=False).flat
+    if ax is None:
+        picture = _titled(found, 5.2 * columns + 0.6, 3.6 * -(-len(names) // columns) + 0.6)
+        panels = list(picture.subplots(-(-len(names) // columns), columns, squeeze=False).flat)
+    else:
+        picture, panels = within(ax), [ax]
     for axes, name in zip(panels, names, strict=False):
         values = np.sort(found.values(name))
         clean(axes, name, "part of the members below")
@@ -49,6 +58,8 @@ def draw_quantiles(found: Ensemble) -> Figure:
             axes.plot([row["value"]], [level], "o", color=INK, markersize=4.5)
         axes.set_ylim(-0.02, 1.02)
         _few_ticks(axes)
+    if ax is not None:
+        return picture
     for axes in list(picture.axes)[len(names) :]:
         axes.set_visible(False)
     _caption(
@@ -59,12 +70,20 @@ def draw_quantiles(found: Ensemble) -> Figure:
     return picture
 
 
-def draw_fan(found: Ensemble, name: str) -> Figure:
-    """Draw median and bands of a history over time.
+def draw_fan(found: Ensemble, name: str | None = None, ax: Axes | None = None) -> Figure:
+    """Draw median and bands of a history over time, by default of the first one, into ``ax`` if it is given.
 
     Raises:
         InputError: there is no such history.
     """
+    if name is None:
+        listed = (
+            key
+            for member in found.members
+            for key, value in member.quantities.items()
+            if isinstance(value, list)
+        )
+        name = next(listed, "no quantity")
     histories = [
         member.quantities[name] for member in found.members if isinstance(member.quantities.get(name), list)
     ]
@@ -84,8 +103,8 @@ def draw_fan(found: Ensemble, name: str) -> Figure:
     ends = {member.measured.get("time_reached", 0.0) for member in found.completed}
     end = ends.pop() if len(ends) == 1 else 0.0
     part = np.linspace(0.0, end or 1.0, values.shape[1])
-    picture = _titled(found, 10.0, 4.8)
-    axes = picture.add_subplot()
+    picture = _titled(found, 10.0, 4.8) if ax is None else within(ax)
+    axes = ax or picture.add_subplot()
     clean(axes, "time [s]" if end else "time over duration", name)
     axes.fill_between(part, low, high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
     axes.fill_between(part, inner_low, inner_high, color=BLUE, alpha=0.35, linewidth=0, label="25 to 75 %")
@@ -94,22 +113,30 @@ def draw_fan(found: Ensemble, name: str) -> Figure:
     axes.axhline(0.0, color=INK, linewidth=0.6)
     axes.set_xlim(0.0, part[-1])
     legend_above(axes, 4)
-    return picture
+    return picture if ax is None else within(ax)
 
 
-def draw_indices(found: Ensemble) -> Figure:
+def draw_indices(found: Ensemble, alone: str | None = None, ax: Axes | None = None) -> Figure:
     """Draw first and total Sobol' indices of every quantity with their 95 % intervals, the largest on top.
+
+    Args:
+        found: the ensemble.
+        alone: the quantity that is drawn alone; ax: axes for it, by default for the first.
 
     Raises:
         InputError: the ensemble has no indices.
     """
-    names = _names(found)
+    names = _names(found, alone, ax)
     table = found.indices()
     keys = list(found.design.keys)
-    height = (0.5 * len(keys) + 1.1) * len(names) + 0.6
-    picture = _titled(found, 9.0, height)
-    picture.subplots_adjust(left=min(0.6, 0.0092 * max(map(len, keys)) + 0.03), hspace=0.42)
-    for axes, name in zip(picture.subplots(len(names), 1, squeeze=False).flat, names, strict=True):
+    if ax is None:
+        height = (0.5 * len(keys) + 1.1) * len(names) + 0.6
+        picture = _titled(found, 9.0, height)
+        picture.subplots_adjust(left=min(0.6, 0.0092 * max(map(len, keys)) + 0.03), hspace=0.42)
+        panels = list(picture.subplots(len(names), 1, squeeze=False).flat)
+    else:
+        picture, panels = within(ax), [ax]
+    for axes, name in zip(panels, names, strict=True):
         rows = table.loc[name]
         order = [str(key) for key in rows["total"].sort_values().index]
         clean(axes, f"part of the variance of the {name}", "")
@@ -125,18 +152,20 @@ def draw_indices(found: Ensemble) -> Figure:
         axes.grid(axis="y", visible=False)
         if name == names[0]:
             legend_above(axes, 2)
-    return picture
+    return picture if ax is None else within(ax)
 
 
 def _legend(kind: str) -> str:
     return "together with others" if kind == "total" else "alone (lines: 95 %)"
 
 
-def _names(found: Ensemble) -> tuple[str, ...]:
+def _names(found: Ensemble, name: str | None, ax: Axes | None) -> tuple[str, ...]:
     names = found.numbers[:MOST]
     if not names:
         raise InputError("no member has a quantity that is a number")
-    return names
+    if name is not None and name not in found.numbers:
+        raise InputError(f"name = {name!r}: no quantity is called so; give one of {', '.join(found.numbers)}")
+    return (name,) if name is not None else names if ax is None else names[:1]
 
 
 def _titled(found: Ensemble, width: float, height: float) -> Figure:

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, RED, SMALL, TEXT, clean, figure, heading
 from viscorod.typing import Floats
 
@@ -25,13 +26,20 @@ WIDEST = 100.0
 """Relative half width of an interval, in per cent, up to which it is drawn to scale."""
 
 
-def draw_identification(fit: Identification) -> Figure:
-    """Draw every series, measured and predicted over each other, with the residuals beside."""
+def draw_identification(fit: Identification, ax: Axes | None = None) -> Figure:
+    """Draw every series, measured and predicted over each other, with the residuals beside.
+
+    Into ``ax`` goes the first series alone.
+    """
     data = fit.data
     listed = [
         k for k in range(data.sizes["series"]) if not str(data["series"].values[k]).endswith(" beforehand")
     ]
     listed = listed[:MOST_PANELS]
+    if ax is not None:
+        _series(fit, listed[0], ax, None)
+        ax.legend()
+        return within(ax)
     height = 1.0 + 2.3 * len(listed)
     picture = figure(11.0, height)
     picture.subplots_adjust(
@@ -46,7 +54,7 @@ def draw_identification(fit: Identification) -> Figure:
     return picture
 
 
-def _series(fit: Identification, k: int, left: Axes, right: Axes) -> None:
+def _series(fit: Identification, k: int, left: Axes, right: Axes | None) -> None:
     data = fit.data
     mine = data["series_of"].values == k
     place, measured, predicted, deviation = (
@@ -60,7 +68,6 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes) -> None:
     name = str(data["series"].values[k])
     clean(left, along, "measured [SI]")
     heading(left, name)
-    clean(right, along, "measured - model [SI]")
     marks = len(place) <= FEW
     left.plot(
         place,
@@ -82,6 +89,13 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes) -> None:
         markersize=7.0,
         label="model",
     )
+    for axes in (left,) if right is None else (left, right):
+        axes.ticklabel_format(axis="y", scilimits=(-3, 4))
+        if unit == "" and len(place) <= FEW:
+            axes.set_xticks(place[:: max(len(place) // 10, 1)])
+    if right is None:
+        return
+    clean(right, along, "measured - model [SI]")
     band = 1.96 * deviation
     right.fill_between(place, -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
     right.axhline(0.0, color=INK, linewidth=0.7)
@@ -94,10 +108,6 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes) -> None:
         marker="o" if marks else "",
         markersize=4.0,
     )
-    for axes in (left, right):
-        axes.ticklabel_format(axis="y", scilimits=(-3, 4))
-        if unit == "" and len(place) <= FEW:
-            axes.set_xticks(place[:: max(len(place) // 10, 1)])
 
 
 def draw_intervals(fit: Identification) -> Figure:

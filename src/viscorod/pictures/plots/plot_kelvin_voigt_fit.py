@@ -7,9 +7,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, TEXT, clean, figure, heading, legend_above
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.analyses.kelvin_voigt_fit import KelvinVoigtFit
@@ -20,8 +22,15 @@ MOST = 1000.0
 """Relative error up to which the picture goes, in per cent."""
 
 
-def draw_fit(fit: KelvinVoigtFit) -> Figure:
-    """Draw storage and loss modulus of both over frequency, and the relative errors."""
+def draw_fit(fit: KelvinVoigtFit, ax: Axes | None = None) -> Figure:
+    """Draw storage and loss modulus of both over frequency, and the relative errors.
+
+    Into ``ax`` go the moduli alone.
+    """
+    if ax is not None:
+        _moduli(ax, fit)
+        ax.set_xlabel("frequency [Hz]")
+        return within(ax)
     picture = figure(10.0, 7.2)
     picture.suptitle(
         f"Kelvin-Voigt in {fit.strain}, {fit.method.replace('_', ' ')} fit",
@@ -30,6 +39,13 @@ def draw_fit(fit: KelvinVoigtFit) -> Figure:
         ha="left",
     )
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
+    _moduli(upper, fit)
+    _errors(lower, fit)
+    return picture
+
+
+def _moduli(upper: Axes, fit: KelvinVoigtFit) -> None:
+    """Draw storage and loss modulus of both."""
     clean(upper, "", "modulus [Pa]")
     for colour, name, exact, fitted in (
         (BLUE, "storage", fit.exact.real, fit.fitted.real),
@@ -46,6 +62,10 @@ def draw_fit(fit: KelvinVoigtFit) -> Figure:
         )
     upper.set(xscale="log", yscale="log")
     legend_above(upper, 4)
+
+
+def _errors(lower: Axes, fit: KelvinVoigtFit) -> None:
+    """Draw the relative errors."""
     clean(lower, "frequency [Hz]", "relative error [%]")
     lower.plot(fit.frequency, 100.0 * fit.storage_error, color=BLUE, linewidth=1.6)
     lower.plot(fit.frequency, 100.0 * fit.loss_error, color=ORANGE, linewidth=1.6)
@@ -61,4 +81,3 @@ def draw_fit(fit: KelvinVoigtFit) -> Figure:
     heading(lower, f"Kelvin-Voigt minus material{f' (up to {MOST:.0f} %)' if largest > MOST else ''}")
     if math.isfinite(fit.band[1]):
         lower.set_xlim(*fit.band)
-    return picture

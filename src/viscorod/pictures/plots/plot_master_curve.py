@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -20,6 +21,7 @@ from viscorod.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.master_curve_result import MasterCurve
@@ -30,14 +32,17 @@ ZERO = -273.15
 GAS_CONSTANT = 8.314462618
 
 
-def draw_master_curve(master: MasterCurve) -> Figure:
-    """Draw a master curve."""
+def draw_master_curve(master: MasterCurve, ax: Axes | None = None) -> Figure:
+    """Draw a master curve; into ``ax`` go the moduli alone."""
+    data = {name: np.asarray(master.data[name].values) for name in master.variables()}
+    celsius = master.temperatures
+    if ax is not None:
+        _moduli(ax, data, celsius)
+        return within(ax)
     picture = figure(11.0, 8.0)
     title = master.title or "Master curve"
     picture.suptitle(f"{title}, at {master.reference:.4g} °C", fontsize=TEXT + 2.0, x=0.01, ha="left")
     upper, lower = picture.subplots(2, 1, height_ratios=(1.35, 1.0))
-    data = {name: np.asarray(master.data[name].values) for name in master.variables()}
-    celsius = master.temperatures
     _moduli(upper, data, celsius)
     _shifts(lower, master, data)
     return picture

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -20,6 +21,7 @@ from viscorod.pictures.style import (
 )
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.modal_fit_result import ModalFit
@@ -27,11 +29,22 @@ if TYPE_CHECKING:
 __all__ = ["draw_modal_fit"]
 
 
-def draw_modal_fit(fit: ModalFit) -> Figure:
-    """Draw a modal fit."""
+def draw_modal_fit(fit: ModalFit, ax: Axes | None = None) -> Figure:
+    """Draw a modal fit; into ``ax`` go the responses alone."""
+    if ax is not None:
+        _responses(ax, fit)
+        ax.set_xlabel("frequency [Hz]")
+        return within(ax)
     picture = figure(10.0, 7.2)
     picture.suptitle(fit.title or "Modes of measured responses", fontsize=TEXT + 2.0, x=0.01, ha="left")
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.4, 1.0))
+    _responses(upper, fit)
+    _ratios(lower, fit)
+    return picture
+
+
+def _responses(upper: Axes, fit: ModalFit) -> None:
+    """Draw the size of the responses, with the frequencies of the modes."""
     hertz = fit.data["line_frequency"].values
     parts = fit.data["response"].values
     clean(upper, "", "size of the response")
@@ -44,6 +57,10 @@ def draw_modal_fit(fit: ModalFit) -> Figure:
         upper.axvline(frequency, color=ORANGE, linewidth=1.0, linestyle="--", zorder=0.5)
     upper.set_yscale("log")
     legend_above(upper, 4)
+
+
+def _ratios(lower: Axes, fit: ModalFit) -> None:
+    """Draw the damping ratios with their intervals."""
     clean(lower, "frequency [Hz]", "damping ratio [%]")
     width = fit.data["damping_ratio_width"].values
     lower.errorbar(
@@ -57,4 +74,3 @@ def draw_modal_fit(fit: ModalFit) -> Figure:
     )
     lower.set_ylim(bottom=0.0)
     heading(lower, "pole fits, 95 %")
-    return picture

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
 from viscorod.pictures.style import (
@@ -42,9 +43,14 @@ _SIDE_BY_SIDE = 5  # snapshots of rods that would hide each other
 _BETWEEN, _ENOUGH = 8, 4000  # points drawn from one stored time to the next, and in all
 
 
-def draw_tip(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
-    """Return the figure of one displacement over time alone; see ``Run.plot``."""
+def draw_tip(
+    run: Run, place: str | int | None = None, axis: str | None = None, ax: Axes | None = None
+) -> Figure:
+    """Return the figure of one displacement over time alone, drawn into ``ax`` if it is given; see ``Run.plot``."""
     place, axis = chosen_motion(run, place, axis)
+    if ax is not None:
+        draw_history(ax, run, place, axis, run.free_decay(place, axis))
+        return within(ax)
     picture = titled(run, 9.0, 4.4)
     draw_history(picture.add_subplot(), run, place, axis, run.free_decay(place, axis))
     return picture
@@ -60,8 +66,12 @@ def chosen_motion(run: Run, place: str | int | None, axis: str | None) -> tuple[
     return site.label, main_axis if axis is None else axis
 
 
-def draw_motion(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
-    """Return the figure of a motion; see ``Run.plot``."""
+def draw_motion(
+    run: Run, place: str | int | None = None, axis: str | None = None, ax: Axes | None = None
+) -> Figure:
+    """Return the figure of a motion, whose history alone goes into ``ax``; see ``Run.plot``."""
+    if ax is not None:
+        return draw_tip(run, place, axis, ax)
     place, axis = chosen_motion(run, place, axis)
     decay = run.free_decay(place, axis)
     picture = titled(run, 10.0, 7.6)

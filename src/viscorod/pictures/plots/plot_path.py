@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.plots.plot_shape import draw_shapes
 from viscorod.pictures.style import (
     BLUE,
@@ -23,17 +24,31 @@ from viscorod.results.data_schema import AXES
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.run import Equilibrium
 
 
-def draw_path(path: Equilibrium) -> Figure:
-    """Return the figure of a path: the load factor over the displacement that changes most, and the shapes."""
+def draw_path(path: Equilibrium, ax: Axes | None = None) -> Figure:
+    """Return the figure of a path: the load factor over the displacement that changes most, and the shapes.
+
+    Into ``ax`` goes the curve alone.
+    """
+    if ax is not None:
+        _curve(ax, path)
+        return within(ax)
     picture = figure(12.0, 5.6)
     if path.title:
         picture.suptitle(path.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     curve, shapes = picture.subplots(1, 2)
+    _curve(curve, path)
+    draw_shapes(shapes, path)
+    return picture
+
+
+def _curve(curve: Axes, path: Equilibrium) -> None:
+    """Draw the load factor over the displacement that changes most."""
     site, axis = path.main_motion
     moved = path.vector(site, "displacement")[:, AXES.index(axis)]
     scale, unit = scaled("m", moved)
@@ -59,8 +74,6 @@ def draw_path(path: Equilibrium) -> Figure:
     clean(curve, f"displacement of {site.label} along {axis} [{unit}]", "load factor")
     heading(curve, "Path of equilibria")
     legend_inside(curve)
-    draw_shapes(shapes, path)
-    return picture
 
 
 def _pieces(values: Floats, chosen: np.ndarray) -> Floats:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -39,11 +40,12 @@ MOST = 6
 """Outputs, or loops, that are drawn at most."""
 
 
-def draw_periodic(result: Periodic, kind: str = "amplitude") -> Figure:
+def draw_periodic(result: Periodic, kind: str = "amplitude", ax: Axes | None = None) -> Figure:
     """Return the figure of a curve of periodic motions.
 
     Args:
         result: what is drawn; kind: see ``Periodic.plot``.
+        ax: axes for one panel alone: the amplitudes of the first unit, or the frequency of free vibrations.
 
     Raises:
         InputError: there is no such kind, or nothing to draw of it.
@@ -53,29 +55,38 @@ def draw_periodic(result: Periodic, kind: str = "amplitude") -> Figure:
     free = result.data.attrs.get("over") == "amplitude"
     drawn = {"amplitude": _backbone if free else _amplitude, "multipliers": _multipliers, "loops": _loops}[
         kind
-    ](result)
+    ](result, ax)
+    if ax is not None:
+        return within(ax)
     if result.title:
         drawn.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     return drawn
 
 
-def _backbone(result: Periodic) -> Figure:
+def _backbone(result: Periodic, ax: Axes | None) -> Figure:
     """Draw frequency and damping ratio of free vibrations over the amplitude."""
-    picture = figure(8.0, 6.4)
-    picture.subplots_adjust(top=0.86 if result.title else 0.94, hspace=0.42)
     size, unit = result.amplitude(0), str(result.data["output_unit"].values[0])
-    upper, lower = picture.add_subplot(2, 1, 1), picture.add_subplot(2, 1, 2)
+    along = f"amplitude of {result.outputs[0]} [{unit}]"
+    if ax is None:
+        picture = figure(8.0, 6.4)
+        picture.subplots_adjust(top=0.86 if result.title else 0.94, hspace=0.42)
+        upper = picture.add_subplot(2, 1, 1)
+    else:
+        picture, upper = within(ax), ax
     upper.plot(size, result.frequencies, color=BLUE, linewidth=1.6)
     upper.ticklabel_format(axis="y", useOffset=False)
+    clean(upper, "" if ax is None else along, "frequency [Hz]")
+    heading(upper, "free vibrations over their amplitude")
+    if ax is not None:
+        return picture
+    lower = picture.add_subplot(2, 1, 2)
     lower.plot(size, result.damping_ratios, color=RED, linewidth=1.6, label="of the vibration")
     if len(size) > 2 and result.loss.all():
         shown = result.decrement_ratios(0)
         lower.plot(size, shown, color=GREEN, linewidth=1.6, label=f"by the decrement of {result.outputs[0]}")
-    clean(upper, "", "frequency [Hz]")
-    clean(lower, f"amplitude of {result.outputs[0]} [{unit}]", "damping ratio")
+    clean(lower, along, "damping ratio")
     lower.set_ylim(0.0, 1.12 * float(result.damping_ratios.max()) or 1.0)
     legend_above(lower, 2)
-    heading(upper, "free vibrations over their amplitude")
     return picture
 
 
@@ -91,19 +102,22 @@ def _known_stability(result: Periodic) -> np.ndarray | None:
     return None if (unstable < 0).any() else unstable == 0
 
 
-def _amplitude(result: Periodic) -> Figure:
+def _amplitude(result: Periodic, ax: Axes | None) -> Figure:
     """Draw the amplitudes: a panel for each unit."""
     outputs = list(range(min(len(result.outputs), MOST)))
     unit_of = [str(unit) for unit in result.data["output_unit"].values]
     units = list(dict.fromkeys(unit_of[k] for k in outputs))
-    height = 1.3 + 3.2 * len(units)
-    picture = figure(8.0, height)
-    picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.35)
+    if ax is None:
+        height = 1.3 + 3.2 * len(units)
+        picture = figure(8.0, height)
+        picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.35)
+    else:
+        units, picture = units[:1], within(ax)
     x, label = _along(result)
     stable = _known_stability(result)
     panels: list[Axes] = []
     for number, unit in enumerate(units):
-        axes = picture.add_subplot(len(units), 1, number + 1, sharex=panels[0] if panels else None)
+        axes = ax or picture.add_subplot(len(units), 1, number + 1, sharex=panels[0] if panels else None)
         panels.append(axes)
         mine = [k for k in outputs if unit_of[k] == unit]
         for colour, k in enumerate(mine):
@@ -144,13 +158,13 @@ def _curve(axes: Axes, x: Floats, y: Floats, stable: np.ndarray | None, label: s
         axes.plot([], [], color=colour, linewidth=1.6, linestyle="--", label=label)
 
 
-def _multipliers(result: Periodic) -> Figure:
+def _multipliers(result: Periodic, ax: Axes | None) -> Figure:
     """Draw the multipliers in the complex plane, coloured along the curve."""
     values = result.multipliers
     if not values.shape[1]:
         raise InputError("kind = 'multipliers': these motions were computed with stability = False")
-    picture = figure(6.6, 5.6)
-    axes = picture.add_subplot(1, 1, 1)
+    picture = figure(6.6, 5.6) if ax is None else within(ax)
+    axes = ax or picture.add_subplot(1, 1, 1)
     turn = np.linspace(0.0, 2.0 * np.pi, 400)
     axes.plot(np.cos(turn), np.sin(turn), color=LIGHT, linewidth=1.5, zorder=0)
     number = np.repeat(np.arange(len(values)), values.shape[1])
@@ -166,7 +180,7 @@ def _multipliers(result: Periodic) -> Figure:
     return picture
 
 
-def _loops(result: Periodic) -> Figure:
+def _loops(result: Periodic, ax: Axes | None) -> Figure:
     """Draw the hysteresis loops of the first force, of motions from the smallest to the largest loss."""
     forces = [k for k in range(len(result.inputs)) if result.data["conjugate"].values[:, k].any()]
     if not forces:
@@ -174,9 +188,12 @@ def _loops(result: Periodic) -> Figure:
             "kind = 'loops': no input is a force or a moment, whose work would be the area of a loop"
         )
     source = forces[0]
-    picture = figure(7.6, 5.6)
-    picture.subplots_adjust(top=0.83)
-    axes = picture.add_subplot(1, 1, 1)
+    if ax is None:
+        picture = figure(7.6, 5.6)
+        picture.subplots_adjust(top=0.83)
+    else:
+        picture = within(ax)
+    axes = ax or picture.add_subplot(1, 1, 1)
     order = np.argsort(result.loss)
     chosen = order[np.unique(np.linspace(len(order) // 2, len(order) - 1, MOST - 1).astype(int))]
     for colour, k in enumerate(sorted(chosen.tolist())):

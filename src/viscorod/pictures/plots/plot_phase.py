@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.picture import within
 from viscorod.pictures.plots.plot_motion import chosen_motion
 from viscorod.pictures.style import (
     GREY,
@@ -21,6 +22,7 @@ from viscorod.pictures.style import (
 from viscorod.results.data_schema import AXES
 
 if TYPE_CHECKING:
+    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.results.run import Run
@@ -28,12 +30,15 @@ if TYPE_CHECKING:
 _POINTS = 6000
 
 
-def draw_phase(run: Run, place: str | int | None = None, axis: str | None = None) -> Figure:
+def draw_phase(
+    run: Run, place: str | int | None = None, axis: str | None = None, ax: Axes | None = None
+) -> Figure:
     """Return the figure of velocity over displacement of a place along an axis, coloured by time.
 
     Args:
         run: the run.
         place: by default the one that moves most; axis: by default the one along which it moves most.
+        ax: axes to draw into.
 
     Raises:
         InputError: no such place or axis, or a run of one state.
@@ -53,8 +58,8 @@ def draw_phase(run: Run, place: str | int | None = None, axis: str | None = None
     scale, unit = scaled("m", x)
     rate, rate_unit = scaled("m/s", v)
     points = np.stack([scale * x, rate * v], axis=-1)
-    picture = titled(run, 7.6, 6.0)
-    axes = picture.add_subplot()
+    picture = titled(run, 7.6, 6.0) if ax is None else within(ax)
+    axes = ax or picture.add_subplot()
     clean(axes, f"displacement {axis} of {place} [{unit}]", f"velocity {axis} [{rate_unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     axes.axvline(0.0, color=GREY, linewidth=0.8)
@@ -69,4 +74,4 @@ def draw_phase(run: Run, place: str | int | None = None, axis: str | None = None
     axes.margins(0.06)
     legend_above(axes, 2)
     colour_bar(picture, axes, lines, "time [s]")
-    return picture
+    return within(axes) if ax is not None else picture

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -38,11 +39,12 @@ MOST = 12
 """Responses that are drawn at most."""
 
 
-def draw_response(result: FrequencyResponse, kind: str = "bode") -> Figure:
+def draw_response(result: FrequencyResponse, kind: str = "bode", ax: Axes | None = None) -> Figure:
     """Return the figure of all responses, at most twelve.
 
     Args:
         result: what is drawn; kind: see ``FrequencyResponse.plot``.
+        ax: axes for one panel alone: the sizes of the first unit, or the first response.
 
     Raises:
         InputError: there is no such kind.
@@ -50,7 +52,9 @@ def draw_response(result: FrequencyResponse, kind: str = "bode") -> Figure:
     if kind not in KINDS:
         raise InputError(f"kind = {kind!r}: a response is drawn as one of {', '.join(KINDS)}")
     pairs = [(k, j) for k in range(len(result.outputs)) for j in range(len(result.inputs))]
-    drawn = {"bode": _bode, "nyquist": _nyquist, "space": _space}[kind](result, pairs[:MOST])
+    drawn = {"bode": _bode, "nyquist": _nyquist, "space": _space}[kind](result, pairs[:MOST], ax)
+    if ax is not None:
+        return within(ax)
     if result.title:
         drawn.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
     return drawn
@@ -65,18 +69,22 @@ def _units(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> list[str]
     return list(dict.fromkeys(result.unit(k, j) for k, j in pairs))
 
 
-def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
+def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes | None) -> Figure:
     """Draw size and phase: one panel of sizes for each unit, one of all phases below."""
     units = _units(result, pairs)
     rows = len(units) + 1
-    height = 1.4 + 2.6 * rows
-    picture = figure(9.0, height)
-    picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.42)
+    if ax is None:
+        height = 1.4 + 2.6 * rows
+        picture = figure(9.0, height)
+        picture.subplots_adjust(top=1.0 - 0.85 / height, hspace=0.42)
+    else:
+        units, rows, picture = units[:1], 1, within(ax)
+        pairs = [pair for pair in pairs if result.unit(*pair) == units[0]]
     hertz = result.frequencies
     logarithmic = hertz[0] > 0.0 and hertz[-1] > 8.0 * hertz[0]
     panels: list[Axes] = []
     for number in range(rows):
-        axes = picture.add_subplot(rows, 1, number + 1, sharex=panels[0] if panels else None)
+        axes = ax or picture.add_subplot(rows, 1, number + 1, sharex=panels[0] if panels else None)
         panels.append(axes)
         if logarithmic:
             axes.set_xscale("log")
@@ -92,16 +100,18 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
         axes.semilogy(
             hertz, np.maximum(np.abs(values), np.finfo(float).tiny), label=_label(result, k, j), **line
         )
-        panels[-1].plot(hertz, _phase(values), **line)
-    for axes, unit in zip(panels[:-1], units, strict=True):
-        clean(axes, "", "size" if unit == "1" else f"size [{unit}]")
+        if ax is None:
+            panels[-1].plot(hertz, _phase(values), **line)
+    for axes, unit in zip(panels, units, strict=False):
+        clean(axes, "" if ax is None else "frequency [Hz]", "size" if unit == "1" else f"size [{unit}]")
         axes.margins(x=0.0, y=0.14)
         legend_above(axes, 2)
-    clean(panels[-1], "frequency [Hz]", "phase [degrees]")
-    panels[-1].set_yticks(np.arange(-180, 181, 90))
-    panels[-1].set_ylim(-190.0, 190.0)
+    if ax is None:
+        clean(panels[-1], "frequency [Hz]", "phase [degrees]")
+        panels[-1].set_yticks(np.arange(-180, 181, 90))
+        panels[-1].set_ylim(-190.0, 190.0)
+        heading(panels[-1], "grey lines: poles; numbers at peaks: damping ratios by half power")
     _mark_peaks(result, pairs, units, panels)
-    heading(panels[-1], "grey lines: poles; numbers at peaks: damping ratios by half power")
     panels[0].set_xlim(hertz[0], hertz[-1]) if len(hertz) > 1 else None
     return picture
 
@@ -147,14 +157,18 @@ def _mark_peaks(
             )
 
 
-def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
+def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes | None) -> Figure:
     """Draw the responses in the complex plane, one panel each."""
+    pairs = pairs if ax is None else pairs[:1]
     columns = min(3, len(pairs))
     rows = -(-len(pairs) // columns)
-    picture = figure(1.0 + 4.4 * columns, 1.2 + 4.2 * rows)
-    picture.subplots_adjust(hspace=0.4, wspace=0.35)
+    if ax is None:
+        picture = figure(1.0 + 4.4 * columns, 1.2 + 4.2 * rows)
+        picture.subplots_adjust(hspace=0.4, wspace=0.35)
+    else:
+        picture = within(ax)
     for number, (k, j) in enumerate(pairs):
-        axes = picture.add_subplot(rows, columns, number + 1)
+        axes = ax or picture.add_subplot(rows, columns, number + 1)
         values, unit = result.response(k, j), result.unit(k, j)
         axes.plot(values.real, values.imag, color=COLOURS[number % len(COLOURS)], linewidth=1.4)
         told: list[complex] = []
@@ -180,13 +194,16 @@ def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
     return picture
 
 
-def _space(result: FrequencyResponse, pairs: list[tuple[int, int]]) -> Figure:
+def _space(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes | None) -> Figure:
     """Draw real and imaginary part over frequency in three dimensions, one panel each."""
+    if ax is not None and ax.name != "3d":
+        raise InputError("ax: kind = 'space' needs axes in space; make them with projection='3d'")
+    pairs = pairs if ax is None else pairs[:1]
     columns = min(2, len(pairs))
     rows = -(-len(pairs) // columns)
-    picture = figure(1.0 + 6.0 * columns, 1.0 + 5.0 * rows)
+    picture = figure(1.0 + 6.0 * columns, 1.0 + 5.0 * rows) if ax is None else within(ax)
     for number, (k, j) in enumerate(pairs):
-        axes = picture.add_subplot(rows, columns, number + 1, projection="3d")
+        axes: Any = ax or picture.add_subplot(rows, columns, number + 1, projection="3d")
         values, unit, hertz = result.response(k, j), result.unit(k, j), result.frequencies
         colour = COLOURS[number % len(COLOURS)]
         axes.plot(hertz, values.real, values.imag, color=colour, linewidth=1.4)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
 from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_inside
@@ -19,8 +20,11 @@ if TYPE_CHECKING:
     from viscorod.results.steady_result import Steady
 
 
-def draw_shape(equilibrium: Equilibrium | Steady) -> Figure:
-    """Return the figure of the reference shape, the load steps on the way and the equilibrium."""
+def draw_shape(equilibrium: Equilibrium | Steady, ax: Axes | None = None) -> Figure:
+    """Return the figure of the reference shape, the load steps and the equilibrium, into ``ax`` if it is given."""
+    if ax is not None:
+        draw_shapes(ax, equilibrium)
+        return within(ax)
     picture = figure(8.0, 6.4)
     if equilibrium.title:
         picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")

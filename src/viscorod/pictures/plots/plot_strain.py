@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
     BLUE,
     GREEN,
@@ -39,16 +40,22 @@ _MOST_RODS = 4  # below each other
 _LEVELS = {"time": "time [s]", "load_factor": "load factor", "spin": "angular speed [rad/s]"}
 
 
-def draw_strain(result: Result, component: str | None = None, rod: str | None = None) -> Figure:
+def draw_strain(
+    result: Result, component: str | None = None, rod: str | None = None, ax: Axes | None = None
+) -> Figure:
     """Return the figure of the strains: the largest of every component over time, and one of them along a rod.
 
     Args:
         result: a run, or load factors of an equilibrium.
         component: "shear_1", "shear_2", "stretch", "bend_1", "bend_2" or "twist"; by default what changes most.
         rod: by default the one where it changes most.
+        ax: axes for the profiles along the rod alone.
     """
     shown = chosen_component(result, "strain", component)
     rod = rod or _busiest(result, shown)
+    if ax is not None:
+        _profiles(ax, result, shown, rod)
+        return within(ax)
     picture = titled(result, 10.0, 7.4)
     level = np.asarray(result.data[result.dimension].values, dtype=float)
     several = level.size > 1
@@ -73,12 +80,16 @@ def draw_strain(result: Result, component: str | None = None, rod: str | None = 
             axes.margins(x=0.01)
             axes.set_ylim(bottom=0.0)
             legend_above(axes, 3)
-    _profiles(picture, picture.add_subplot(grid[-1, :]), result, shown, rod)
+    _profiles(picture.add_subplot(grid[-1, :]), result, shown, rod)
     return picture
 
 
 def draw_space_time(
-    result: Run, quantity: str = "section_force", component: str | None = None, rod: str | None = None
+    result: Run,
+    quantity: str = "section_force",
+    component: str | None = None,
+    rod: str | None = None,
+    ax: Axes | None = None,
 ) -> Figure:
     """Return the figure of one component over arc length and time, an image for every rod.
 
@@ -87,6 +98,7 @@ def draw_space_time(
         quantity: "strain", "section_force" or "dissipation".
         component: by default the one that changes most.
         rod: by default all, up to four.
+        ax: axes for the image of one rod, by default of the one where it changes most.
 
     Raises:
         InputError: no such quantity, component or rod, or a run of one state.
@@ -94,6 +106,8 @@ def draw_space_time(
     shown = chosen_component(result, quantity, component)
     if result.time.size < 2:
         raise InputError("this run holds one state only; an image over time needs two or more")
+    if ax is not None:
+        rod = rod or _busiest(result, shown)
     rods = [rod] if rod is not None else list(result.sites.rods[:_MOST_RODS])
     for name in rods:
         _require_rod(result, name)
@@ -106,8 +120,11 @@ def draw_space_time(
     most = max(float(np.max(np.abs(image))) for _, _, image in images)
     scale, unit = scaled(shown.unit, most) if shown.unit in ("N", "W/m") else (1.0, shown.unit)
     signed = quantity != "dissipation"
-    picture = titled(result, 10.0, 1.6 + 2.9 * len(rods))
-    panels = np.atleast_1d(np.asarray(picture.subplots(len(rods), 1, sharex=True)))
+    if ax is None:
+        picture = titled(result, 10.0, 1.6 + 2.9 * len(rods))
+        panels = np.atleast_1d(np.asarray(picture.subplots(len(rods), 1, sharex=True)))
+    else:
+        panels, picture = np.array([ax]), within(ax)
     top = scale * most or 1.0
     for axes, (name, s, image) in zip(panels, images, strict=True):
         clean(axes, "time [s]" if axes is panels[-1] else "", "arc length [m]")
@@ -127,7 +144,7 @@ def draw_space_time(
     return picture
 
 
-def _profiles(picture: Figure, axes: Axes, result: Result, shown: Component, rod: str) -> None:
+def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
@@ -156,7 +173,7 @@ def _profiles(picture: Figure, axes: Axes, result: Result, shown: Component, rod
         f"{shown.name.capitalize()} at {len(levels)} instants" if word == "time" else shown.name.capitalize(),
     )
     if len(levels) > 1:
-        colour_bar(picture, axes, ScalarMappable(span, colours), _LEVELS[result.dimension])
+        colour_bar(axes.figure, axes, ScalarMappable(span, colours), _LEVELS[result.dimension])
     else:
         axes.annotate(
             f"{word} {levels[0]:.3g}",

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.pictures.picture import within
 from viscorod.pictures.style import BLUE, INK, SMALL, clean, heading, scaled, titled
 from viscorod.results.report import load_level
 from viscorod.results.stress import section_patch
@@ -21,13 +22,16 @@ ARROWS = 130
 """About how many arrows show the shear stress."""
 
 
-def draw_stress(result: Result, place: str | int, time: float | None = None) -> Figure:
+def draw_stress(
+    result: Result, place: str | int, time: float | None = None, ax: Axes | None = None
+) -> Figure:
     """Return the figure of the stresses over the section at a place.
 
     Args:
         result: a run, an equilibrium or a steady rotation.
         place: on a rod.
         time: of a run [s]; by default the stored one with the largest von Mises stress there. Of others the last state.
+        ax: axes for the von Mises stress alone.
     """
     from matplotlib import colormaps
     from matplotlib.colors import LinearSegmentedColormap
@@ -43,15 +47,16 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
         if beside
         else (7.6, 1.4 + 3.0 * (0.9 + 5.5 * height / width))
     )
-    picture = titled(result, *size)
-    picture.subplots_adjust(
-        left=0.8 / size[0],
-        right=1.0 - 0.2 / size[0],
-        bottom=(0.3 if beside else 0.65) / size[1],
-        top=1.0 - 1.2 / size[1],
-        wspace=0.3,
-        hspace=0.9 / (5.5 * height / width),
-    )
+    picture = titled(result, *size) if ax is None else within(ax)
+    if ax is None:
+        picture.subplots_adjust(
+            left=0.8 / size[0],
+            right=1.0 - 0.2 / size[0],
+            bottom=(0.3 if beside else 0.65) / size[1],
+            top=1.0 - 1.2 / size[1],
+            wspace=0.3,
+            hspace=0.9 / (5.5 * height / width),
+        )
     length, unit = (1e3, "mm") if np.abs(patch.points).max() < 1.0 else (1.0, "m")
     points = length * patch.points
     grid = Triangulation(points[:, 0], points[:, 1], patch.triangles)
@@ -64,7 +69,9 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
         ("von Mises stress", patch.von_mises, "heat", False),
     )
     for number, (name, values, colours, signed) in enumerate(panels, 1):
-        axes = picture.add_subplot(*((1, 3) if beside else (3, 1)), number)
+        if ax is not None and number < len(panels):
+            continue
+        axes = picture.add_subplot(*((1, 3) if beside else (3, 1)), number) if ax is None else ax
         factor, pascal = scaled("Pa", values)
         top = factor * max(float(np.abs(values).max()), np.finfo(float).tiny)
         drawn = axes.tripcolor(
@@ -91,13 +98,15 @@ def draw_stress(result: Result, place: str | int, time: float | None = None) -> 
         bar = picture.colorbar(
             drawn,
             ax=axes,
-            orientation="horizontal" if beside else "vertical",
-            pad=0.62 / (size[1] - 1.5) if beside else 0.03,
-            aspect=28 if beside else 6,
+            orientation="horizontal" if beside and ax is None else "vertical",
+            pad=0.62 / (size[1] - 1.5) if beside and ax is None else 0.03,
+            aspect=28 if beside or ax is not None else 6,
         )
         bar.ax.tick_params(labelsize=SMALL)
         bar.locator = MaxNLocator(5)
         bar.update_ticks()
+    if ax is not None:
+        return picture
     level = {
         "time": f" at {patch.level:.4g} s",
         "load_factor": f" under {load_level(patch.level)}",

@@ -29,6 +29,10 @@ SHIFT = 1e-10
 """About which eigenvalues are sought, as a part of the mean stiffness over the mean inertia."""
 MOTIONS = 24
 """Number of the slowest motions that are looked at."""
+NO_INERTIA = (
+    ", with an inertia in proportion to the stiffness, for a section was given without: flutter may differ"
+)
+"""What is said of the stability where the inertia is not known."""
 SOME_MOTIONS = "small motions, not all of which were found"
 RESTARTS = 30
 """Of the search for eigenvalues by iteration."""
@@ -85,14 +89,13 @@ def stability_of(
     return Stability(divergent + int(np.count_nonzero(oscillating)), divergent, True, small.complete)
 
 
-def stability_attributes(found: Stability) -> dict[str, Any]:
+def stability_attributes(found: Stability, *, inertia_known: bool = True) -> dict[str, Any]:
     """Return the attributes of a result that tell the stability of its last state."""
+    judged = ("small motions" if found.complete else SOME_MOTIONS) + ("" if inertia_known else NO_INERTIA)
     return {
         "negative_eigenvalues": found.unstable,
         "flutter": found.oscillating,
-        "stability": ("small motions" if found.complete else SOME_MOTIONS)
-        if found.by_motion
-        else "tangent stiffness",
+        "stability": judged if found.by_motion else "tangent stiffness",
     }
 
 

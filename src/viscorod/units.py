@@ -12,12 +12,12 @@ from fractions import Fraction
 from functools import cache
 from typing import TYPE_CHECKING, Any, TypeAlias
 
-from viscorod.model.fields.definition import RefusedError, nearest, show
+from viscorod.wording import RefusedError, nearest, show
 
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["Conversion", "looks_like_quantity", "si_of", "si_value"]
+__all__ = ["Conversion", "is_quantity", "looks_like_quantity", "si_of", "si_quantity", "si_value"]
 
 Dimension: TypeAlias = tuple[tuple[str, Fraction], ...]
 
@@ -129,6 +129,39 @@ def si_value(text: str, unit: str, key: str) -> float:
     if value == 0.0 and exact != 0:
         raise RefusedError("smaller than any quantity", _advice(unit))
     return value
+
+
+def is_quantity(value: Any) -> bool:
+    """Say whether a value is a number, or an array, with a unit, as Pint and Astropy have them."""
+    return hasattr(value, "unit" if hasattr(value, "to_value") else "units") and (
+        hasattr(value, "magnitude") or hasattr(value, "to_value")
+    )
+
+
+def si_quantity(value: Any, unit: str, key: str) -> Any:
+    """Return a quantity of Pint or Astropy as a float, or a list, in the SI unit that a key needs.
+
+    Raises:
+        RefusedError: it has a unit that is not known here, or another dimension.
+    """
+    if hasattr(value, "to_value"):
+        magnitude, given = value.value, value.unit.to_string() or "1"
+    else:
+        magnitude, given = value.magnitude, format(value.units, "D")
+    plain = magnitude.tolist() if hasattr(magnitude, "tolist") else magnitude
+    if given in ("", "1", "dimensionless"):
+        if unit != "1":
+            raise RefusedError(f"this has no unit, {key} needs {_noun(_factor(unit)[1])}", _advice(unit))
+        return plain
+    if unit == "1":
+        raise RefusedError(f"{key} has no unit", "give a plain number")
+    return _scaled(plain, given, unit, key)
+
+
+def _scaled(plain: Any, given: str, unit: str, key: str) -> Any:
+    if isinstance(plain, list):
+        return [_scaled(item, given, unit, key) for item in plain]
+    return si_value(f"{float(plain)!r} {given}", unit, key)
 
 
 def si_of(unit: str) -> float:

@@ -1,0 +1,126 @@
+"""Checks of a rod: sections with their material, pieces up to its end, sizes that double precision can hold."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
+from viscorod.model.cable import with_direction
+from viscorod.model.sections.section_base import AnySection
+from viscorod.model.sections.section_profile import Piecewise
+from viscorod.wording import RefusedError, show
+
+if TYPE_CHECKING:
+    from viscorod.model.rod import Rod
+
+__all__ = ["require_consistent"]
+
+
+def require_consistent(rod: Rod) -> None:
+    """Refuse a rod whose parts do not fit together.
+
+    Raises:
+        RefusedError: a section without its material, or one that cannot be used.
+    """
+    _finite(rod)
+    if isinstance(rod.section, Piecewise):
+        _pieces_cover_length(rod, rod.section)
+    sections = rod.typical_sections()
+    reasons = [section.no_material for _, section in sections]
+    if rod.material is not None and None not in reasons:
+        raise RefusedError(
+            reasons[0] or "",
+            "leave material out",
+            found="",
+            at=("material",),
+        )
+    if rod.material is None and None in reasons:
+        raise RefusedError(
+            "a section given by its shape needs a material for its stiffness and mass",
+            "add material",
+            found="",
+            at=("material",),
+        )
+    for s, section in sections:
+        _usable(rod, s, section)
+        if rod.curvature_correction and not section.outline:
+            raise RefusedError(
+                f"the curvature of {type(section).__name__} cannot be counted: its points are not known",
+                "describe the section by its shape, or leave curvature_correction out",
+                at=("curvature_correction",),
+            )
+    if rod.curvature_correction and rod.tilted:
+        raise RefusedError(
+            "the curvature of a rod with oblique sections cannot be counted",
+            "leave tilt or curvature_correction out",
+            found="true",
+            at=("curvature_correction",),
+        )
+    if rod.curvature_correction:
+        _inside_the_curve(rod)
+
+
+def _inside_the_curve(rod: Rod) -> None:
+    """Refuse sections that reach to the centre of curvature."""
+    for s in np.linspace(0.0, rod.length, 65).tolist():
+        corners = np.array([corner for outer, _ in rod.section_at(s).outline for corner in outer])
+        bent = rod.curvature_at(s)
+        if not (1.0 + corners[:, 1] * bent[0] - corners[:, 0] * bent[1] > 0.0).all():
+            raise RefusedError(
+                f"its section reaches to the centre of curvature at s = {s:.6g} m",
+                "make the section thinner or the radius larger",
+                at=("section",),
+                found=f"radius {1.0 / np.linalg.norm(bent):.6g} m",
+            )
+
+
+def _finite(rod: Rod) -> None:
+    with np.errstate(all="ignore"):
+        shape = np.concatenate([array.ravel() for array in rod.frames([0.0, rod.length])])
+    if not (SMALLEST_NUMBER <= rod.length <= LARGEST_NUMBER and np.isfinite(shape).all()):
+        raise RefusedError(
+            f"the rod has the length {rod.length:g} m and no usable shape in double precision",
+            "give lengths of a usual size in m",
+            found="",
+        )
+
+
+def _pieces_cover_length(rod: Rod, section: Piecewise) -> None:
+    last = section.pieces[-1].until
+    if abs(last - rod.length) > 1e-9 * rod.length:
+        raise RefusedError(
+            f"the last piece must end at the end of the rod, {rod.length:.12g} m",
+            f"give until = {rod.length:.12g} in the last piece",
+            found=show(last),
+            at=("section", "pieces", len(section.pieces) - 1, "until"),
+        )
+
+
+def _usable(rod: Rod, s: float, section: AnySection) -> None:
+    """Refuse sections whose stiffness or mass is not a positive number in double precision."""
+    material = rod.material if section.needs_material else None
+    if material is not None and material.pending:
+        material = material.with_damping(None)
+    try:
+        with np.errstate(all="ignore"):
+            stiffness, damping, inertia = section.matrices(material)
+    except (OverflowError, ZeroDivisionError):
+        stiffness = damping = inertia = np.full((6, 6), math.nan)
+    except InputError as error:
+        raise RefusedError(str(error)) from None
+    stiffness, inertia = with_direction(stiffness, inertia, rod.length)
+    diagonal = np.concatenate([np.diag(stiffness), np.diag(inertia)])
+    usual = (diagonal >= SMALLEST_NUMBER) & (diagonal <= LARGEST_NUMBER)
+    if not np.isfinite(damping).all() or not usual.all():
+        entry = int(np.argmin(np.where(np.isfinite(diagonal), diagonal, -math.inf)))
+        raise RefusedError(
+            f"its stiffness or mass per length is not a positive number at s = {s:.6g} m, "
+            f"or beyond any quantity in SI units",
+            "give dimensions and moduli in SI units; for a very flat ellipse also shear_factor_1 and _2",
+            found=f"{diagonal[entry]:.6g} for {type(section).__name__}",
+            at=("section",),
+        )

@@ -1,0 +1,117 @@
+"""The picture of a sweep: numbers of its members over a parameter."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.model.fields.definition import did_you_mean
+from viscorod.pictures.picture import within
+from viscorod.pictures.style import BLUE, GREEN, ORANGE, PURPLE, RED, SKY, TEXT, clean, figure, legend_above
+from viscorod.results.sweep_figures import FIGURES, shown
+
+if TYPE_CHECKING:
+    import pandas as pd
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from viscorod.results.sweep_result import Sweep
+
+__all__ = ["draw_sweep"]
+
+COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
+MOST = 4
+"""Numbers in one picture."""
+MOST_LINES = 6
+"""Values of the other parameters that have a line each."""
+
+
+def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: Axes | None = None) -> Figure:
+    """Return the figure of numbers over a parameter, a line for every combination of the others.
+
+    Args:
+        sweep: what is drawn.
+        name: of the number that is drawn alone; x: the parameter, by default the first.
+        ax: axes for one number, by default for the first.
+
+    Raises:
+        InputError: there is no such number or parameter, or no member was computed to its end.
+    """
+    table = sweep.table()
+    table = table[table["outcome"] == "completed"]
+    if not len(table):
+        raise InputError("no member of this sweep was computed to its end; its report says why")
+    x = _one_of("x", x, sweep.parameters)
+    known = _numbers(sweep, table)
+    names = known[:MOST] if name is None else [_one_of("name", name, known)]
+    if ax is None:
+        picture = figure(8.0, 1.0 + 3.1 * len(names))
+        if sweep.title:
+            picture.suptitle(sweep.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        panels = list(picture.subplots(len(names), 1, squeeze=False)[:, 0])
+    else:
+        names, picture, panels = names[:1], within(ax), [ax]
+    others = [key for key in sweep.parameters if key != x]
+    for axes, number in zip(panels, names, strict=True):
+        _draw(axes, table, x, number, others, legend=axes is panels[0])
+    return picture if ax is None else within(panels[0])
+
+
+def _draw(axes: Axes, table: pd.DataFrame, x: str, name: str, others: list[str], *, legend: bool) -> None:
+    heading = FIGURES[name].heading if name in FIGURES else name
+    clean(axes, x, heading)
+    groups: list[tuple[Any, pd.DataFrame]] = (
+        list(table.groupby(others, sort=False)) if others else [((), table)]
+    )
+    if len(groups) > MOST_LINES:
+        axes.plot(*_column(table, x, name), "o", color=BLUE, markersize=4.0)
+        return
+    for k, (values, rows) in enumerate(groups):
+        label = ", ".join(f"{_short(key)} = {_text(one)}" for key, one in zip(others, values, strict=True))
+        line = "-" if rows[x].dtype.kind in "fiu" else "none"
+        at, number = _column(rows.sort_values(x) if line == "-" else rows, x, name)
+        axes.plot(
+            at, number, marker="o", markersize=4.5, linestyle=line, color=COLOURS[k], label=label or None
+        )
+    if others and legend:
+        legend_above(axes, 3)
+
+
+def _column(rows: pd.DataFrame, x: str, name: str) -> tuple[Any, Any]:
+    """Return the values of a parameter, texts where they are no numbers, and of a number."""
+    at = rows[x].to_numpy()
+    return at if at.dtype.kind in "fiu" else [_text(one) for one in at], rows[name].to_numpy(dtype=float)
+
+
+def _numbers(sweep: Sweep, table: pd.DataFrame) -> list[str]:
+    """Return the columns of numbers: the quantities that were asked for, else the figures that tell most."""
+    asked = [name for name in sweep.quantities if name in table.columns]
+    figures = [
+        name for name in shown([member.figures() for member in sweep.completed]) if name in table.columns
+    ]
+    found = [name for name in (*asked, *figures) if np.isfinite(table[name].to_numpy(dtype=float)).any()]
+    if not found:
+        raise InputError("the members of this sweep have no numbers; ask for quantities in vr.sweep")
+    return found
+
+
+def _one_of(key: str, given: str | None, known: Any) -> str:
+    words = list(known)
+    if given is None and words:
+        return str(words[0])
+    if given not in words:
+        raise InputError(
+            f"{key} = {given!r}: this sweep has nothing of this name; {did_you_mean(given, words)}"
+            f"it has {', '.join(words) or 'no parameters'}"
+        )
+    return str(given)
+
+
+def _short(key: str) -> str:
+    return key.rpartition(".")[2]
+
+
+def _text(value: Any) -> str:
+    return f"{value:.4g}" if isinstance(value, float | np.floating) else str(value)
