@@ -221,7 +221,7 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
 
 
-class PeriodicArguments(PeriodicSettings, Progressing):
+class PeriodicArguments(PeriodicSettings, Progressing, Differentiated):
     """Arguments of ``Model.periodic``."""
 
 

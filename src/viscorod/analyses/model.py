@@ -44,7 +44,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
-DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_response")
+DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_response", "periodic")
 """Analyses whose results have derivatives."""
 
 
@@ -282,7 +282,6 @@ class Model(Inspected):
             from viscorod.analyses.derivatives.differentiate import with_derivatives
             from viscorod.analyses.derivatives.responses import response_derivatives
 
-            model.materials, model.sections = self.materials, self.sections
             with_derivatives(response_derivatives, model, discrete, call, found)
         return found
 
@@ -310,8 +309,15 @@ class Model(Inspected):
         from viscorod.analyses.periodic import periodic
         from viscorod.analyses.refinement import refined_periodic
 
-        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
-        return refined_periodic(periodic, discrete, call)
+        driven = with_input_loads(self, call)
+        discrete = DiscreteModel.of(driven, call, call.options)
+        found = refined_periodic(periodic, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.orbits import orbit_derivatives
+
+            with_derivatives(orbit_derivatives, driven, discrete, call, found)
+        return found
 
     @takes(BucklingArguments)
     def buckling(self, call: BucklingArguments) -> Buckling:
