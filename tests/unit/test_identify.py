@@ -9,7 +9,8 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 from viscorod.analyses.case_run import run_case
-from viscorod.analyses.identification.laws import law_sentences
+from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
+from viscorod.analyses.identification.law_sentences import law_sentences
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
@@ -287,6 +288,73 @@ def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
     assert excluded in sentence
     assert best not in sentence
     assert "Laws on the same data" in fit.report()
+
+
+def test_what_was_left_out_decides_between_laws_of_one_frequency():
+    """One mode has any law; a weight at the tip lowers the ratio of a viscosity with the frequency, not a flat loss."""
+    true = run_case(modes_case(damping=LAWS["flat_loss"]))
+    hertz, ratio = float(true.frequencies[0]), float(true.damping_ratios[0])
+    noise = {"frequency_noise": [1e-3 * hertz], "ratio_noise": [0.02 * ratio]}
+    twice = [vr.ModesRecord([hertz], [ratio], name=name, **noise) for name in ("first", "second")]
+    weight = {"shape": "sphere", "centre": [0.3, 0.0, 0.0], "radius": 0.005, "mass": 0.03}
+    heavy = content({"simulate": {"duration": 12.0, "tolerance": 1e-4}}, 0.002, damping=LAWS["flat_loss"])
+    heavy |= {"bodies": {"weight": weight}, "attachments": [{"a": "beam.end", "b": "weight"}]}
+    heavy = case_from_dict(heavy)
+    times = np.linspace(0.0, 12.0, 150)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": "heavy"}
+    clean = vr.Record(times, np.zeros(150), **about).predicted(run_case(heavy))
+    weighed = vr.Unknown("weight", 0.03, deviation=0.0003, key="bodies.weight.mass")
+    tip = vr.Record(
+        times,
+        clean + 1e-5 * np.random.default_rng(7).normal(size=150),
+        noise=1e-5,
+        unknown=[weighed],
+        **about,
+    )
+    fit = vr.identify(
+        modes_case(),
+        twice,
+        [YOUNG],
+        laws=["kelvin_voigt", "flat_loss"],
+        left_out=[(heavy, tip)],
+        profile=False,
+    )
+    assert [law.name for law in fit.laws] == ["flat_loss", "kelvin_voigt"]
+    assert "materials.rubber.damping.extension" in fit.parameters
+    assert fit.case.content["materials"]["rubber"]["damping"]["kind"] == "loss_factor"
+    flat, viscous = (next(one for one in fit.foretold if one.law == law.name) for law in fit.laws)
+    assert abs(flat.frequency - flat.measured_frequency) < flat.frequency_width
+    by_weight = 0.5 * 1.96 * 0.01 * flat.frequency  # if the weight were all that moves
+    assert 0.6 * by_weight < flat.frequency_width < 1.2 * by_weight
+    assert flat.damping_ratio == pytest.approx(
+        flat.measured_ratio, rel=0.06
+    )  # branches ripple about a flat loss
+    assert viscous.damping_ratio == pytest.approx(ratio * viscous.frequency / hertz, rel=0.03)
+    excluded = [text for text in fit.sentences if text.startswith("Excluded by what was left out")]
+    assert [text.split(":")[1].split(".")[0].strip() for text in excluded] == ["kelvin_voigt"]
+    assert "Records left out, foretold and measured" in fit.report()
+
+
+def test_a_ratio_that_depends_on_the_amplitude_is_not_called_the_materials():
+    """Of two made-up decays one has a ratio that is twice as large at a tenth of the amplitude."""
+    times = np.arange(0.0, 8.0, 0.02)
+
+    def record(name, rise):
+        phase, amplitude, values = 0.0, 1e-2, []
+        for _ in times:
+            values.append(amplitude * np.cos(phase))
+            phase += 2.0 * np.pi * 1.5 * 0.02
+            amplitude *= np.exp(-0.03 * (1.0 + rise * np.exp(-amplitude / 3e-3)) * 2.0 * np.pi * 1.5 * 0.02)
+        noise = 1e-6 * np.random.default_rng(1).normal(size=len(times))
+        return vr.Record(times, values + noise, place="a", quantity="position", direction="x", name=name)
+
+    case = swing()
+    (steady, rising) = swings_of([(case, record("steady", 0.0)), (case, record("rising", 1.0))]).values()
+    assert steady.ends is None
+    (sentence,) = amplitude_sentences({"steady": steady}, {"rising": rising}, "flat_loss")
+    assert sentence.startswith("The damping ratio of rising rises from 0.03")
+    assert "that of steady, which flat_loss was fitted to, does not" in sentence
+    assert "not called the material's" in sentence
 
 
 def test_what_is_not_the_materials_is_said():

@@ -102,7 +102,8 @@ def identify(
         seed: of the further starts.
         laws: of damping that are compared on the same records, in place of that of the case: "elastic",
             "kelvin_voigt", "flat_loss" (a loss factor that does not depend on frequency), "branches 2" (Maxwell
-            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss".
+            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss"; that of the case is one more
+            where numbers of it are among the parameters. The result is that of the law that comes off best.
         left_out: pairs of cases and records that are not fitted; laws are compared by how they predict them.
         report: called with a sentence after every search.
 
@@ -121,6 +122,9 @@ def identify(
     pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
     held = pairs_of(left_out, None) if left_out else []
     require_laws([*pairs, *held], laws)
+    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
+    if compared is not None:
+        pairs, wanted = list(compared.pairs), dict(compared.parameters)
     found = fitted(
         pairs,
         wanted,
@@ -130,6 +134,7 @@ def identify(
         coloured=coloured,
         seed=seed,
         report=report,
+        begin=compared.named if compared is not None else None,
     )
     limits = _intervals(found, level, profile=profile)
     cases = found.cases()
@@ -143,7 +148,6 @@ def identify(
         cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
     )
     sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
-    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
     if compared is not None:
         sentences = [*compared.sentences, *sentences]
     attrs = {
@@ -220,8 +224,12 @@ def fitted(
     seed: int = 0,
     report: Callable[[str], None] | None = None,
     only_nuisances: bool = False,
+    begin: Mapping[str, float] | None = None,
 ) -> Fitted:
-    """Fit, and return what `identify` makes a result of; with ``only_nuisances`` there may be no parameters."""
+    """Fit, and return what `identify` makes a result of.
+
+    With ``only_nuisances`` there may be no parameters; the first start is at the unknowns of ``begin``.
+    """
     members = members_of(pairs)
     unknowns, beliefs = sought(members, parameters, nuisances, free=only_nuisances)
     measured, series = series_of(members, unknowns, beliefs)
@@ -239,8 +247,14 @@ def fitted(
         coloured=coloured,
         seed=seed,
         report=report,
+        begin=_coordinates(unknowns, begin or {}),
     )
     return Fitted(members, best, covariance(best))
+
+
+def _coordinates(unknowns: Unknowns, named: Mapping[str, float]) -> Floats:
+    """Return where a search begins: at numbers that are known, else at the starts."""
+    return unknowns.coordinates(np.array([named.get(one.name, one.start) for one in unknowns]))
 
 
 def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Mapping
 from typing import Any
 
@@ -9,7 +10,7 @@ from viscorod.casefile.units import Conversion, looks_like_quantity, si_value
 from viscorod.errors import Fault
 from viscorod.model.fields.definition import FaultyValue, RefusedError, path_text, show
 
-__all__ = ["converted"]
+__all__ = ["converted", "unit_at"]
 
 PLAIN = "1"
 
@@ -27,6 +28,19 @@ def converted(data: Mapping[str, Any]) -> tuple[Mapping[str, Any], list[Conversi
     schema = forms()
     walk = _Walk(schema["definitions"])
     return walk.table(schema, data, (), ""), walk.found, walk.problems
+
+
+def unit_at(data: Mapping[str, Any], key: str) -> str:
+    """Return the SI unit of the number at a key of a content, "1" of a plain number, empty where none is known."""
+    from viscorod.casefile.case_keys import parts_of, put
+    from viscorod.casefile.json_schema import forms
+
+    content = copy.deepcopy(dict(data))
+    put(content, key, "1 m")
+    schema = forms()
+    walk = _UnitWalk(schema["definitions"], tuple(parts_of(key)))
+    walk.table(schema, content, (), "")
+    return walk.unit
 
 
 def _has_quantity(value: Any) -> bool:
@@ -134,6 +148,19 @@ class _Walk:
             return FaultyValue(text, reported=True)
         self.found.append(Conversion(where, text, value, unit))
         return value
+
+
+class _UnitWalk(_Walk):
+    """A walk that notes the unit of what stands at one key."""
+
+    def __init__(self, definitions: Mapping[str, Any], wanted: tuple[str | int, ...]) -> None:
+        super().__init__(definitions)
+        self.wanted, self.unit = wanted, ""
+
+    def number(self, text: str, unit: str, path: tuple[str | int, ...]) -> Any:
+        if path == self.wanted:
+            self.unit = unit
+        return text
 
 
 def _numeric(form: Mapping[str, Any]) -> bool:
