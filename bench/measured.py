@@ -4,8 +4,8 @@
 
 * eth_silicone_bar (github.com/srl-ethz/diffPD_sim2real): laws fitted to the unloaded trials foretell the loaded ones;
 * pyuff_freefree_frf (github.com/ladisk/pyuff): six modes narrower than the lines, and what can be the material's;
-* enes_aluminium_cantilever (github.com/EnesDemirkaya/Vibration-Tester-ADXL357-FFT): modulus with the sensor's mass or the
-  clamp's compliance;
+* enes_aluminium_cantilever (github.com/EnesDemirkaya/Vibration-Tester-ADXL357-FFT): modulus with the sensor's mass or
+  the clamp's compliance;
 * nrel_dma (github.com/NREL/pyvisco), mahdi_dma_tension (github.com/MahdiTBT/DMA-analysis-suite): master curves, and a
   strip of the second material that swings at 20 and 60 degrees C.
 
@@ -102,10 +102,17 @@ def silicone_bar(folder: Path, hanging: bool) -> None:
     loaded = bar(0.51012, hanging)
     place = vr.Unknown("weight_along", 0.1, deviation=0.002, key="bodies.weight.centre[2]")
     left_out = [
-        (loaded, trial(folder / f"beam_load52_V2_{name}.csv", f"52 g {name}", first, 0.1, [] if hanging else [place]))
+        (
+            loaded,
+            trial(
+                folder / f"beam_load52_V2_{name}.csv", f"52 g {name}", first, 0.1, [] if hanging else [place]
+            ),
+        )
         for name, first in (("a", 44), ("b", 58))
     ]
-    fit = vr.identify(bar(), unloaded, {YOUNG: 3e5}, laws=LAWS, left_out=left_out, profile=False, report=print)
+    fit = vr.identify(
+        bar(), unloaded, {YOUNG: 3e5}, laws=LAWS, left_out=left_out, profile=False, report=print
+    )
     print(fit.report().split("The damping in the numbers")[0])
 
 
@@ -113,14 +120,18 @@ def free_beam(folder: Path, _hanging: bool) -> None:
     """Files of one complex number a line, of 0, 1, ... Hz."""
     records = [
         vr.ResponseRecord(
-            np.arange(1.0, 1001.0), np.loadtxt(folder / f"meas_point_{k}.txt", dtype=complex)[1:], name=f"point {k}"
+            np.arange(1.0, 1001.0),
+            np.loadtxt(folder / f"meas_point_{k}.txt", dtype=complex)[1:],
+            name=f"point {k}",
         )
         for k in (1, 2)
     ]
     found = vr.modal_fit(records, title="free-free beam")
     print(found)
     slope = np.polyfit(np.log(found.frequencies), np.log(found.damping_ratios), 1)[0]
-    print(f"the ratios go with the frequency to the power of {slope:.2f}; Kelvin and Voigt: 1, a flat loss: 0")
+    print(
+        f"the ratios go with the frequency to the power of {slope:.2f}; Kelvin and Voigt: 1, a flat loss: 0"
+    )
 
 
 def aluminium_strip(folder: Path, _hanging: bool) -> None:
@@ -187,9 +198,9 @@ def strip_at_temperatures(folder: Path, _hanging: bool) -> None:
         strip = vr.Rod(vr.Straight((0.0, 0.0, 0.0), (0.15, 0.0, 0.0)), vr.Rectangle(0.02, 0.002), material)
         model.add("strip", strip)
         model.clamp("strip.start")
-        model.force("strip.end", (0.0, 0.02, 0.0), until=0.0)
+        model.force("strip.end", (0.0, 0.0, 0.02), until=0.0)
         run = model.simulate(0.6)
-        found = vr.decay(run, place="strip.end", direction="y", modes=1)
+        found = vr.decay(run, place="strip.end", direction="z", modes=1)
         hertz, ratio = found.frequencies[0], found.damping_ratios[0]
         modulus = material.relaxation("extension").complex_modulus(np.array([2.0 * np.pi * hertz]))[0]
         print(
@@ -208,7 +219,9 @@ ALL = {
 
 
 def main() -> None:
-    reader = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    reader = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     reader.add_argument("folder", type=Path)
     reader.add_argument("names", nargs="*", choices=[*ALL, []], default=[])
     reader.add_argument("--hanging", action="store_true")

@@ -444,3 +444,38 @@ def test_content_as_toml_reads_back_as_it_was():
     )
     given["title"] = 'a "quoted" title\n'
     assert tomllib.loads(toml_text(given)) == given
+
+
+def test_what_is_known_of_numbers_goes_into_an_ensemble():
+    """Frequencies go with the root of E: their spread is half of E's; two keys of one number are equal."""
+    fit = vr.identify(modes_case(), ratios_of("kelvin_voigt"), {YOUNG: None, BOTH: 0.01}, profile=False)
+    known, correlation = fit.distributions(), fit.correlation_of_distributions()
+    assert list(known) == [YOUNG, SHEAR, BULK]
+    assert correlation[1, 2] == pytest.approx(1.0)
+    assert known[YOUNG].std() == pytest.approx(fit[YOUNG].standard_error, rel=0.01)
+    with pytest.raises(InputError, match="no draws were made"):
+        _ = fit.posterior
+    found = vr.ensemble(
+        fit.case, known, 8, quantities={"hertz": ("frequency", 1)}, correlation=correlation, workers=1
+    )
+    values = found.data
+    np.testing.assert_allclose(values[SHEAR], values[BULK], rtol=1e-9)
+    hertz = values["hertz"].values
+    relative = np.std(np.log(values[YOUNG].values))
+    assert np.std(np.log(hertz)) == pytest.approx(0.5 * relative, rel=1e-3)
+    assert relative == pytest.approx(fit[YOUNG].standard_error / fit[YOUNG].value, rel=0.3)
+
+
+def test_draws_come_back_from_a_file_as_arviz_takes_them(tmp_path):
+    pytest.importorskip("emcee")
+    fit = vr.identify(
+        modes_case(), ratios_of("kelvin_voigt"), {YOUNG: None, BOTH: 0.01}, profile=False, draws=60
+    )
+    tree = vr.load(fit.save(tmp_path / "fit.nc")).posterior
+    draws = tree["posterior"][YOUNG]
+    assert draws.dims == ("chain", "draw")
+    assert draws.size >= 60
+    assert float(draws.mean()) == pytest.approx(fit[YOUNG].value, abs=fit[YOUNG].standard_error)
+    assert float(draws.std()) == pytest.approx(fit[YOUNG].standard_error, rel=0.5)
+    assert tree["sample_stats"]["lp"].shape == draws.shape
+    assert fit.distributions()[YOUNG].mean() == pytest.approx(float(draws.mean()), rel=1e-3)

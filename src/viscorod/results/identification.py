@@ -14,6 +14,8 @@ from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from viscorod.casefile.case import Case
 
 __all__ = ["Foretold", "Identification", "Law", "Number"]
@@ -46,6 +48,8 @@ VARIABLES: Variables = {
         "",
         "directions that the data do not see, as powers of the unknowns",
     ),
+    "draw": (("chain", "step", "unknown"), "", "draws of the posterior, SI; none unless they were asked for"),
+    "draw_density": (("chain", "step"), "1", "logarithm of the density there, up to a constant"),
     "measured": (("value",), "", "what was measured, SI"),
     "predicted": (("value",), "", "what the fitted model says, SI"),
     "deviation": (("value",), "", "standard deviation of the noise of the value, SI"),
@@ -308,6 +312,39 @@ class Identification(StatelessResult):
         size = np.sqrt(np.diag(matrix))
         size = np.where(size > 0.0, size, 1.0)
         return np.asarray(matrix / np.outer(size, size))
+
+    @property
+    def posterior(self) -> xr.DataTree:
+        """Draws of the posterior as ``arviz`` takes them: the groups posterior and sample_stats, by chain and draw.
+
+        Raises:
+            InputError: none were drawn.
+        """
+        from viscorod.results.posterior import posterior_tree
+
+        return posterior_tree(self)
+
+    def distributions(self, *, nuisances: bool = False) -> dict[str, Any]:
+        """Return what is known of the numbers of the model as distributions of SciPy, by key, as `ensemble` takes them.
+
+        They are those of the draws where there are any, else normal or lognormal with the standard errors. Their
+        correlation is that of `correlation_of_distributions`.
+
+        Args:
+            nuisances: whether numbers of the case that belong to the measurement are among them.
+
+        Raises:
+            InputError: the data do not tell one of them.
+        """
+        from viscorod.results.posterior import distributions_of
+
+        return distributions_of(self, nuisances=nuisances)
+
+    def correlation_of_distributions(self, *, nuisances: bool = False) -> Floats:
+        """Return the correlation of the normal numbers behind `distributions`, in their order, for `ensemble`."""
+        from viscorod.results.posterior import correlation_of
+
+        return correlation_of(self, nuisances=nuisances)
 
     @property
     def residuals(self) -> Floats:

@@ -15,6 +15,7 @@ from viscorod.analyses.identification.told import at_signal, whiteness
 from viscorod.casefile.unit_conversion import unit_at
 from viscorod.results.identification import Foretold, Identification
 from viscorod.solve.estimation.intervals import Interval
+from viscorod.solve.estimation.posterior import Draws
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -32,6 +33,7 @@ def fit_dataset(
     programs: Sequence[Combination],
     attrs: Mapping[str, Any],
     compared: Compared | None,
+    chains: Draws | None = None,
 ) -> xr.Dataset:
     """Return all that is known of a fit as one data set."""
     import xarray as xr
@@ -48,6 +50,10 @@ def fit_dataset(
     columns |= {f"law_{word}": np.zeros(0) for word in ("unknowns", "square", "aicc", "bic", "prediction")}
     told_of = compared.foretold if compared is not None else []
     columns |= {name: _floats(one.numbers[k] for one in told_of) for k, name in enumerate(Foretold.COLUMNS)}
+    size = len(found.unknowns)
+    z = chains.z if chains is not None else np.zeros((0, 0, size))
+    columns["draw"] = found.unknowns.values(z.reshape(-1, size)).reshape(z.shape)
+    columns["draw_density"] = chains.density if chains is not None else np.zeros((0, 0))
     if compared is not None:
         columns |= compared.columns
     known = Identification.variables()

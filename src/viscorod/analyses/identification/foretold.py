@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from scipy import stats
 
+from viscorod.analyses.identification.case_numbers import number_at
 from viscorod.analyses.identification.members import Member
 from viscorod.errors import InputError
 from viscorod.records.free_decay import decay
@@ -161,27 +162,31 @@ def _one(
         if slope.any():
             quantile = float(stats.t.ppf(0.5 + 0.5 * BOTH_SIDES, known.freedom_of(slope)))
             square[column] = (quantile * known.deviation(slope)) ** 2
-    for full, one in believed.items():
-        value = named[full] + 0.5 * one.deviation
+    for full, belief in believed.items():
+        value = named[full] + 0.5 * belief.deviation
         beside = _swing(member, swing, {**named, full: value})
         if beside is None:
             return None
         square += (reach * 2.0 * (beside - centre)) ** 2
     widths = np.sqrt(square)
+    (hertz, hertz_width), (ratio, ratio_width) = swing.frequency, swing.ratio
     return Foretold(
-        law,
-        record.name,
-        *(float(one) for pair in zip(centre, widths, strict=True) for one in pair),
-        *swing.frequency,
-        *swing.ratio,
+        law=law,
+        record=record.name,
+        frequency=float(centre[0]),
+        frequency_width=float(widths[0]),
+        damping_ratio=float(centre[1]),
+        damping_ratio_width=float(widths[1]),
+        measured_frequency=hertz,
+        measured_frequency_width=hertz_width,
+        measured_ratio=ratio,
+        measured_ratio_width=ratio_width,
     )
 
 
 def _believed(member: Member, one: Any) -> float:
     if one.start is not None:
         return float(one.start)
-    from viscorod.analyses.identification.case_numbers import number_at
-
     return float(number_at(member.case, one.key) or 0.0)
 
 
