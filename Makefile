@@ -15,7 +15,7 @@ COMPILATION := tests/unit/test_warmup.py
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo quick test coverage search fuzz honest check style types pages kernels docs figures bench peers clean
+.PHONY: help demo quick test release coverage search fuzz honest check style types pages kernels docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
@@ -29,6 +29,7 @@ help:
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make figures  draw the pictures of the documentation again and print its tables"
 	@echo "make bench  timings, as ratios"
+	@echo "make release  wheel and sdist in dist/, installed and used in empty environments"
 	@echo "make peers  the same motions computed by other programs: time against error"
 	@echo "make clean  remove everything that was made here, the environment too"
 
@@ -98,7 +99,8 @@ fuzz: $(VENV)/.stamp-test
 honest: $(VENV)/.stamp-test
 	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)
 
-docs: pages
+docs: $(VENV)/.stamp-test
+	VISCOROD_NOTEBOOKS=cache $(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 figures: $(VENV)/.stamp-test
@@ -122,6 +124,13 @@ bench: $(VENV)/.stamp-test
 peers: $(VENV)/.stamp-test
 	$(PIP) --editable '.[bench]'
 	$(BIN)/python bench/work_precision.py --figure docs/images/work_precision.png
+
+release: $(VENV)/.stamp-test
+	$(PIP) 'build>=1.2' 'twine>=6.0'
+	rm -rf dist
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/python packaging/check_release.py
 
 clean:
 	rm -rf $(VENV) out docs/_build build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -1,5 +1,6 @@
 """Sphinx configuration."""
 
+import os
 import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
@@ -13,24 +14,34 @@ version = release = installed_version("viscorod")
 
 sys.path.insert(0, str(Path(__file__).parent))
 extensions = [
-    "myst_parser",
+    "myst_nb",
+    "sphinx_copybutton",
     "sphinx.ext.autodoc",
     "sphinx.ext.napoleon",
     "sphinx-mathjax-offline",  # formulas are shown without a network
     "case_keys",
     "data_variables",
 ]
-source_suffix = {".md": "markdown"}
+source_suffix = {".md": "myst-nb"}
 exclude_patterns = ["_build"]
 default_role = "code"
 myst_enable_extensions = ["dollarmath", "amsmath", "colon_fence", "deflist"]
 myst_heading_anchors = 3
+
+# Notebooks are executed by `make docs`; the tests execute their code too, without the pages.
+nb_execution_mode = os.environ.get("VISCOROD_NOTEBOOKS", "off")
+nb_execution_in_temp = True
+nb_execution_raise_on_error = True
+nb_execution_timeout = 600
+nb_merge_streams = True
 
 autodoc_member_order = "bysource"
 autodoc_typehints = "none"  # docstrings say what a value means and in which unit
 napoleon_google_docstring = True
 napoleon_numpy_docstring = False
 napoleon_use_ivar = True
+
+copybutton_prompt_text = "$ "  # what a shell prints is not copied
 
 html_theme = "furo"
 html_title = "viscorod"

@@ -77,6 +77,21 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
 
 
 @pytest.mark.parametrize(
+    "page", [page for page in PAGES if page.parent.name == "notebooks"], ids=lambda page: page.stem
+)
+def test_notebooks_run(page, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    names = {"__name__": "__main__"}
+    for code in blocks(page, r"\{code-cell\} ipython3"):
+        if code.startswith("!viscorod example "):
+            name = code.split()[-1]
+            (tmp_path / f"{name}.toml").write_bytes(shipped_cases()[name].read_bytes())
+            continue
+        exec(compile(code, str(page), "exec"), names)
+    sys.modules["matplotlib.pyplot"].close("all")
+
+
+@pytest.mark.parametrize(
     "page", [page for page in PAGES if page != CASE_FILE and blocks(page, "toml")], ids=lambda page: page.stem
 )
 def test_cases_in_documents_load(page, tmp_path):

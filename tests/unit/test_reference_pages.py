@@ -94,3 +94,24 @@ def test_commands_of_the_pages_exist(page, text):
         elif hasattr(command, "commands"):
             assert word in command.commands, f"{page}: {text}"
             command = command.commands[word]
+
+
+MODULES = ("architecture", "decisions", "extend", "glossary")
+"""Pages that also name modules, such as `model.fields`."""
+PYTHON_PAGES = [page for page in sorted(PAGES.parent.rglob("*.md")) if page.stem not in MODULES]
+
+
+@pytest.mark.parametrize("page", PYTHON_PAGES, ids=lambda page: page.stem)
+def test_names_in_the_text_of_pages_exist(page):
+    """What stands as `vr.name`, `model.name` or `run.name` in a sentence or a table can be typed."""
+    text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
+    owners = {"vr": viscorod, "model": viscorod.Model, "run": viscorod.Run}
+    set_on_objects = {"rods", "bodies", "loads", "supports", "materials", "sections", "joints", "springs"}
+    files = {"nc", "png", "html", "partial", "pvd", "toml"}
+    missing = [
+        f"{owner}.{name}"
+        for code in re.findall(r"`([^`\n]+)`", text)
+        for owner, name in re.findall(r"\b(vr|model|run)\.([a-z_A-Z]\w*)", code)
+        if not hasattr(owners[owner], name) and name not in set_on_objects | files
+    ]
+    assert missing == []

@@ -9,12 +9,14 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+import viscorod.analyses.motion
 import viscorod.analyses.sweep
 from helpers.quantities import ends_its_process_once, tip_at_end
 from helpers.strip import content
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
+from viscorod.solve.transient.transient_solver import Transient
 
 SHEAR = "materials.rubber.damping.shear_time"
 FORCE = "loads[0].value[1]"
@@ -170,6 +172,46 @@ def test_errors_of_some_members(swing):
         assert some[name][[0, 2]].tolist() == whole[name][[0, 2]].tolist()
     with pytest.raises(vr.InputError, match="errors: -1: a number of members is needed"):
         vr.sweep(swing, values, workers=1, errors=-1)
+
+
+def test_many_members_have_the_errors_of_some(held):
+    """The first, the last and those evenly between; whole results have theirs in any case."""
+    values, given = {FORCE: np.linspace(1e-4, 2e-4, 9)}, {"quantities": {"tip": TIP}, "workers": 1}
+    estimated = viscorod.analyses.sweep._estimated
+    assert sorted(estimated(127, None, False)) == list(range(0, 127, 2))
+    assert estimated(127, None, True) == set(range(127))
+    assert estimated(60, None, False) == estimated(60, 100, False) == set(range(60))
+    assert estimated(60, 0, False) == set()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(viscorod.analyses.sweep, "MOST_ERRORS", 3)
+        some, all_of_them = vr.sweep(held, values, **given), vr.sweep(held, values, **given, errors=9)
+    assert some.table()["mesh_error"].notna().to_numpy().nonzero()[0].tolist() == [0, 4, 8]
+    assert "estimated for 3 of 9 members" in some.report()
+    assert all_of_them.table()["mesh_error"].notna().all()
+    assert all_of_them.table()["tip"].equals(some.table()["tip"])
+
+
+def test_members_take_steps_as_runs_by_themselves_do(swing, monkeypatch):
+    """Many at once where they can, and without small motions about the start where nothing asks for them."""
+    asked, run = [], Transient.run
+
+    def watched(self, *args, **given):
+        asked.append(given["patient"])
+        return run(self, *args, **given)
+
+    def refused(*_args, **_given):
+        raise AssertionError
+
+    monkeypatch.setattr(Transient, "run", watched)
+    values, given = {SHEAR: [0.01, 0.02]}, {"quantities": {"tip": TIP}, "workers": 1}
+    for constants in ({"simulate.tolerance": 1e-4}, {"simulate.tolerance": 1e-4, "simulate.duration": 0.05}):
+        whole = vr.sweep(swing, values, constants=constants, **given).table()
+        with monkeypatch.context() as patch:
+            patch.setattr(viscorod.analyses.motion, "linearise", refused)
+            bare = vr.sweep(swing, values, constants=constants, errors=0, **given).table()
+        assert bare["outcome"].tolist() == 2 * ["completed"]
+        assert bare[["tip", "steps"]].equals(whole[["tip", "steps"]])
+    assert asked == 8 * [True]
 
 
 @pytest.mark.parametrize("fields", [False, True])

@@ -63,8 +63,12 @@ ANALYSES: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
 """The analysis of each kind of settings, on a mesh that is fine enough for it."""
 
 
-def discretised_case(case: Case) -> DiscreteModel:
+def discretised_case(case: Case, options: CallOptions | None = None) -> DiscreteModel:
     """Discretise the model of a case for its analysis; it was validated when the file was read.
+
+    Args:
+        case: the content of the file.
+        options: of the call, but for what the case says of itself.
 
     Raises:
         InputError: the model does not allow the analysis, or its mesh cannot satisfy it.
@@ -74,7 +78,7 @@ def discretised_case(case: Case) -> DiscreteModel:
         about["case_changes"] = case.changes
     if case.source is not None:
         about["case_file"] = str(case.source)
-    options = CallOptions(title=case.title, attributes=about)
+    options = replace(options or CallOptions(), title=case.title, attributes=about)
     described = with_inputs(case.description, case.settings)
     return DiscreteModel.of(described, case.settings, options, validated=described is case.description)
 
@@ -103,17 +107,20 @@ def run_case(
         stop: called after every step of a motion, in every iteration of other analyses; a reason that it returns ends
             it.
     """
-    discrete = discrete or discretised_case(case)
-    options = replace(
-        discrete.options,
-        progress=progress,
-        folder=None if folder is None else Path(folder),
-        resume=resume,
-        anew=anew,
-        stop=stop,
-        errors=errors,
-    )
-    discrete = discrete.renewed(options, {"doubts": json.dumps(list(doubts))})
+    given: dict[str, Any] = {
+        "progress": progress,
+        "folder": None if folder is None else Path(folder),
+        "resume": resume,
+        "anew": anew,
+        "stop": stop,
+        "errors": errors,
+    }
+    told = {"doubts": json.dumps(list(doubts))}
+    if discrete is None:
+        discrete = discretised_case(case, CallOptions(**given))
+        discrete.attributes.update(told)
+    else:
+        discrete = discrete.renewed(replace(discrete.options, **given), told)
     settings = case.settings
     with one_blas_thread():
         return ANALYSES[type(settings)](discrete, settings)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -63,7 +64,7 @@ class CoSimulation:
         integrator, control, self._chosen = stepping(
             discrete,
             settings,
-            small_motions(discrete, settings, state),
+            partial(small_motions, discrete, settings, state),
             integrator_makers(discrete, settings, state)[0],
         )
         self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)

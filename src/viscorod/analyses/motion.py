@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -85,7 +85,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
 
     def build(history: History) -> xr.Dataset:
         data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
-        return annotated(data, "simulate")
+        return annotated(data, "simulate", own=True)
 
     integrated = _integrates_strains(settings)
     if options.folder is None:
@@ -110,7 +110,11 @@ def _motion(
     discrete.require_independent()
     options = discrete.options
     state, began_from = initial_state(discrete, settings)
-    linear = small_motions(discrete, settings, state)
+    linear = cache(partial(small_motions, discrete, settings, state))
+    if discrete.watch.feasible or settings.events or settings.modes or settings.dynamics == "linear":
+        linear()
+    else:  # where the stresses are those of the start in any case
+        discrete.static.restore(state, 0.0, before=True, scale=_held_part(settings))
     makers = integrator_makers(discrete, settings, state)
     integrator, control, chosen = stepping(discrete, settings, linear, makers[0])
     halved, start = _halved_steps(discrete, settings, linear, chosen, makers[1]), state.copy()
@@ -173,7 +177,9 @@ def _motion(
     _tell(attrs, force_doubt(attrs))
     stream.flush()
     if written is None:
-        run = Run(stream.contents().assign_attrs(discrete.complete(attrs)))
+        data = stream.contents()
+        data.attrs.update(discrete.complete(attrs))
+        run = Run.owning(data)
         if not interrupted:
             _tell(run.data.attrs, energy_doubt(run.data))
     else:
@@ -385,15 +391,19 @@ def integrator_makers(
 def stepping(
     discrete: DiscreteModel,
     settings: SimulateSettings,
-    linear: Linearisation,
+    linear: Callable[[], Linearisation],
     make: Callable[..., Integrator],
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
-    """Return integrator, step control and what was chosen, by name; ``linear`` are small motions about the start."""
+    """Return integrator, step control and what was chosen, by name.
+
+    Args:
+        linear: returns small motions about the start; it is called where they are needed.
+    """
     method = INTEGRATORS[settings.integrator]
     duration = settings.duration
     tolerance: float | Tolerance | None = settings.tolerance
     if tolerance is None and method.tolerance is not None:
-        tolerance = PartOfMotion(discrete.supports, linear, duration)
+        tolerance = PartOfMotion(discrete.supports, linear(), duration)
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
     if tolerance is not None:
@@ -405,14 +415,14 @@ def stepping(
         return integrator, control, given | {"largest_step": largest}
     step = settings.time_step
     if step is None:
-        step = choose_time_step(discrete.problem, natural_frequencies(linear, SEEN), duration)
+        step = choose_time_step(discrete.problem, natural_frequencies(linear(), SEEN), duration)
     return make(**given), FixedSteps(step), given | {"time_step": step}
 
 
 def _halved_steps(
     discrete: DiscreteModel,
     settings: SimulateSettings,
-    linear: Linearisation,
+    linear: Callable[[], Linearisation],
     chosen: Mapping[str, Any],
     make: Callable[..., Integrator],
 ) -> HalvedSteps | None:
@@ -426,11 +436,15 @@ def _halved_steps(
     twin = make(**given)
     strains = _integrates_strains(settings)
     return HalvedSteps(
-        twin, StartModes.of(linear), discrete.problem, method.order_with(given), strains=strains
+        twin, StartModes.of(linear()), discrete.problem, method.order_with(given), strains=strains
     )
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
     """Return small motions about the state that a motion starts from."""
-    scale = 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
-    return linearise(discrete.static, state, scale=scale)
+    return linearise(discrete.static, state, scale=_held_part(settings))
+
+
+def _held_part(settings: SimulateSettings) -> float:
+    """Return which part of the loads just before t = 0 the start is in balance with."""
+    return 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0

@@ -27,8 +27,10 @@ SEEN = 16
 """Slowest motions among which the slowest vibration is sought."""
 
 
-def monitors(discrete: DiscreteModel, events: Sequence[AnyEvent], linear: Linearisation) -> list[Monitor]:
-    """Return the monitors of the events that a run is watched for; ``linear``: small motions about its start."""
+def monitors(
+    discrete: DiscreteModel, events: Sequence[AnyEvent], linear: Callable[[], Linearisation]
+) -> list[Monitor]:
+    """Return the monitors of the events that a run is watched for; ``linear`` returns small motions about its start."""
     found: list[Monitor] = []
     for event in events:
         if isinstance(event, Crossing):
@@ -42,7 +44,7 @@ def monitors(discrete: DiscreteModel, events: Sequence[AnyEvent], linear: Linear
                 )
             )
             continue
-        during = event.during or _slowest_period(linear)
+        during = event.during or _slowest_period(linear())
         so: Callable[[Snapshot], bool]
         if isinstance(event, Decayed):
             so = FadedMotion(event.amplitude**2)

@@ -17,6 +17,7 @@ import numpy as np
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
+from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
 from viscorod.analyses.sweeps.rows import Columns, Row, Values, rows_of
 from viscorod.casefile.case import Case, case_from_dict, load_case
@@ -38,6 +39,8 @@ OUTPUTS = 200
 """Stored states of a run whose case gives no output_interval."""
 LOOKED_AT = 2000
 """Members that are looked at before any is computed."""
+MOST_ERRORS = 64
+"""Members whose errors are estimated unless told otherwise."""
 LEFT_OUT: Found = (None, "", NOT_RUN)
 UNFINISHED = ("interrupted", NOT_RUN)
 """Outcomes of members that are computed again by the next call."""
@@ -82,9 +85,9 @@ def sweep(
         folder: keeps every member that is finished, on disk before it is reported. Members that are there already, of
             the same case, values, version and quantities, are not computed again. It is to be seen by all workers.
         members: which of them this call computes, such as ``slice(100, 200)``.
-        errors: for how many members, evenly chosen, the errors of mesh and steps are estimated; by default for all. It
-            changes no other number and takes half the time of short motions, so that some may do. A member whose mesh
-            the program chooses has it in any case.
+        errors: for how many members, evenly chosen, the errors of mesh and steps are estimated. It changes no other
+            number and takes half the time of short motions or more; by default for 64 at most, for all where whole
+            results are kept. A member whose mesh the program chooses has it in any case.
         progress: called with the number of members done, fractions included.
 
     Returns:
@@ -103,7 +106,12 @@ def sweep(
     count = processes_of(executor, workers)
     wanted = quantities_of(quantities or {}, case.kind, rows[0])
     keep = not wanted if fields is None else bool(fields)
+    looked = _estimated(len(rows), errors, keep)
     notes = _checked(case, rows, wanted, keep)
+    if errors is None and len(looked) < len(rows):
+        notes.append(
+            f"errors of mesh and steps are estimated for {len(looked)} of {len(rows)} members (errors)"
+        )
     names = [""] * len(rows)
     work = MemberWork(case.content, case.title, case.source, wanted, keep, None)
     found: dict[int, Found] = {}
@@ -115,9 +123,6 @@ def sweep(
         known = store.finished()
         found = {k: store.parts(name, known[name]) for k, name in enumerate(names) if name in known}
     due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
-    if errors is not None and (isinstance(errors, bool) or not isinstance(errors, int) or errors < 0):
-        raise InputError(Fault("errors", show(errors), "a number of members is needed here", "give 16"))
-    looked = set(range(len(rows)) if errors is None else np.linspace(0, len(rows) - 1, errors, dtype=int))
     jobs = [(rows[k], names[k], k in looked) for k in due]
 
     def recover(numbers: Sequence[int]) -> dict[int, Found]:
@@ -133,7 +138,7 @@ def sweep(
             progress(len(rows) - len(jobs) + done)
 
     broken = ""
-    with _stopping() as stop:
+    with _stopping() as stop, little_garbage():
         if not jobs:
             computed: list[Found] = []
             told(0.0)
@@ -153,6 +158,14 @@ def sweep(
         why = broken or "The sweep was stopped"
         raise SolveError(f"{why}; {len(result.completed)} of {len(rows)} members are done", result)
     return result
+
+
+def _estimated(count: int, errors: int | None, keep: bool) -> set[int]:
+    """Return the numbers of the members of ``count`` whose errors are estimated."""
+    if errors is not None and (isinstance(errors, bool) or not isinstance(errors, int) or errors < 0):
+        raise InputError(Fault("errors", show(errors), "a number of members is needed here", "give 16"))
+    some = (count if keep else min(count, MOST_ERRORS)) if errors is None else errors
+    return set(np.linspace(0, count - 1, some, dtype=int).tolist()) if some < count else set(range(count))
 
 
 def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
@@ -266,7 +279,21 @@ class MemberWork:
 
 Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
 
-STOPPED = "the sweep was stopped"
+
+class _Stop:
+    """Returns why a member is to end, if it is.
+
+    Attributes:
+        patient: it may be called after some short steps that are taken at once, as in a run by itself.
+    """
+
+    patient = True
+
+    def __init__(self, stopped: Callable[[], bool]) -> None:
+        self._stopped = stopped
+
+    def __call__(self) -> str:
+        return "the sweep was stopped" if self._stopped() else ""
 
 
 def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
@@ -280,7 +307,7 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
             tell(course.part(reached))
 
         return (
-            run_case(case, progress=progress, stop=lambda: STOPPED if stopped() else "", errors=errors),
+            run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),
             "",
             "completed",
         )

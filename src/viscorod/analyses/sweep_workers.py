@@ -6,6 +6,7 @@ at, and its exit code how it ended.
 
 from __future__ import annotations
 
+import gc
 import multiprocessing
 import os
 import signal
@@ -185,6 +186,8 @@ def _serve(connection: Any, work: Work, cells: Any) -> None:
             cells[number] = part
 
         result = UNTOUCHED if stopped() else work(job, tell, stopped)
+        if not gc.get_freeze_count():  # what the first member has loaded stays
+            gc.freeze()
         try:
             connection.send((number, result))
         except OSError:

@@ -74,7 +74,7 @@ Errors = Annotated[
         "--errors",
         min=0,
         metavar="NUMBER",
-        help="Members, evenly chosen, whose errors of mesh and steps are estimated [default: all]",
+        help="Members, evenly chosen, whose errors of mesh and steps are estimated [default: 64, all with --fields]",
         show_default=False,
     ),
 ]

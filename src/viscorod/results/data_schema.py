@@ -283,12 +283,13 @@ REQUIRED = {
 """Kind of result -> variables that it has in any case, beside the levels of its states."""
 
 
-def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
+def annotated(data: xr.Dataset, kind: str, *, own: bool = False) -> xr.Dataset:
     """Return ``data`` with units and long names, after checking that it is a result of this kind.
 
     Args:
-        data: the data set; it is not changed.
+        data: the data set; it is not changed, unless it is the caller's own, of whom nobody else has it.
         kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
+        own: whether it is.
 
     Raises:
         InputError: the data set is of another kind, or variables are missing.
@@ -304,7 +305,7 @@ def annotated(data: xr.Dataset, kind: str) -> xr.Dataset:
             f"this data set is not a complete viscorod result: {', '.join(missing)} missing; "
             "use a file that viscorod wrote"
         )
-    result = data.copy()
+    result = data if own else data.copy()
     for name, variable in result.variables.items():
         unit, long_name = VARIABLES.get(str(name), ("", ""))
         attributes = variable.attrs

@@ -21,6 +21,9 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
+AT_ONCE = 4096
+"""Nodes whose momenta are computed at once."""
+
 
 def dataset(
     kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
@@ -90,11 +93,8 @@ def dataset(
             "linear_momentum": ((along, "axis"), momentum[:, :3]),
             "angular_momentum": ((along, "axis"), momentum[:, 3:]),
         }
+    places = {name: LABELS[name] for name in ("axis", "quaternion", "component")}
     coordinates: dict[str, Any] = {
-        "axis": _labels("axis"),
-        "quaternion": _labels("quaternion"),
-        "component": _labels("component"),
-        along: np.array(history.instant),
         "station_rod": ("station", np.array([*names[problem.stations.rod], *bodies])),
         "station_s": ("station", np.append(problem.stations.s, still)),
         "station_order": (
@@ -109,14 +109,19 @@ def dataset(
         coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
     if problem.supports.names:
         variables["reaction"] = ((along, "support", "motion"), recorded.reaction)
-        coordinates |= {"support": list(problem.supports.names), "motion": _labels("motion")}
+        places |= {"support": problem.supports.names, "motion": LABELS["motion"]}
     if bodies:
         coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
     if problem.joints.count:
+        places["connection"] = tuple(unique(problem.joints.names))
         coordinates |= connections(problem, reader)
         joints = _joints(along, problem, recorded.joints)
         variables, coordinates = variables | joints[0], coordinates | joints[1]
-    return xr.Dataset(variables, coordinates, attrs={"kind": kind, **attrs})
+    return xr.Dataset(
+        variables,
+        _indexed(coordinates, places, (along, np.array(history.instant))),
+        attrs={"kind": kind, **attrs},
+    )
 
 
 def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[dict[str, Any], dict[str, Any]]:
@@ -134,21 +139,51 @@ def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[di
     }
 
 
-@lru_cache
-def _labels(dimension: str) -> xr.Variable:
-    """Return the coordinate of a dimension whose places have names; its index is made once for all results."""
+def _indexed(
+    coordinates: dict[str, Any], places: dict[str, tuple[str, ...]], levels: tuple[str, Floats]
+) -> xr.Coordinates:
+    """Return all coordinates; the indexes of places that have names are made once for all results.
+
+    Args:
+        coordinates: along stations, points and others; places: names along a dimension; levels: the dimension of the
+            states, and where they are.
+    """
     import xarray as xr
 
-    return xr.Dataset(coords={dimension: list(LABELS[dimension])}).variables[dimension]
+    known = {name: _names(name, names) for name, names in places.items()}
+    known[levels[0]] = _index(*levels)
+    variables: dict[str, Any] = {name: variable.copy(deep=False) for name, (_, variable) in known.items()}
+    variables |= {name: xr.Variable(*given) for name, given in coordinates.items()}
+    return xr.Coordinates(variables, {name: index for name, (index, _) in known.items()})
+
+
+def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:
+    """Return the index of a dimension, and its coordinate."""
+    import xarray as xr
+
+    index = xr.indexes.PandasIndex(values, name, coord_dtype=values.dtype)
+    return index, index.create_variables()[name]
+
+
+@lru_cache
+def _names(dimension: str, names: tuple[str, ...]) -> tuple[Any, xr.Variable]:
+    """Return the index of a dimension whose places have names, and its coordinate."""
+    return _index(dimension, np.array(names))
 
 
 def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:
     """Return total linear and angular momentum about the origin, global axes ``(instants, 6)``."""
-    total = np.empty((len(r), 6))
-    nodal = np.empty(twist.shape[1:])
-    for k in range(len(r)):
-        inertia.momenta(problem.mass, r[k], q[k], twist[k], nodal)
-        total[k] = nodal.sum(axis=0)
+    instants, nodes = twist.shape[:2]
+    total = np.empty((instants, 6))
+    some = max(1, min(instants, AT_ONCE // nodes))  # instants, whose nodes are those of one large model
+    mass = np.tile(problem.mass, (some, 1, 1))
+    nodal = np.empty((some * nodes, 6))
+    for first in range(0, instants, some):
+        part = slice(first, min(first + some, instants))
+        count = (part.stop - first) * nodes
+        poses = r[part].reshape(-1, 3), q[part].reshape(-1, 4)
+        inertia.momenta(mass[:count], *poses, twist[part].reshape(-1, 6), nodal[:count])
+        total[part] = nodal[:count].reshape(-1, nodes, 6).sum(axis=1)
     return total
 
 

@@ -54,13 +54,14 @@ class Energy:
     def of(cls, data: xr.Dataset) -> Energy:
         """Read the account from the data set of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
-        columns = {name: np.asarray(data[name].values, dtype=float) for name in names}
+        known = data.variables
+        columns = {name: np.asarray(known[name].values, dtype=float) for name in names}
         for name in ("outside", "actuator"):
-            found = data[name].values if name in data else np.zeros_like(columns["time"])
+            found = known[name].values if name in known else np.zeros_like(columns["time"])
             columns[name] = np.asarray(found, dtype=float)
-        if "branch_loss" in data:
-            columns["branches"] = np.asarray(data["branch_loss"].values, dtype=float)
-            columns["relaxation_times"] = np.asarray(data["relaxation_time"].values, dtype=float)
+        if "branch_loss" in known:
+            columns["branches"] = np.asarray(known["branch_loss"].values, dtype=float)
+            columns["relaxation_times"] = np.asarray(known["relaxation_time"].values, dtype=float)
         return cls(**columns, scale=float(data.attrs.get("energy_scale", 0.0)))
 
     @property

@@ -50,7 +50,6 @@ def connections(problem: Problem, reader: StationReader) -> dict[str, Any]:
             point = geometry[c, at : at + 3]
             station[k, side], arm[k, side] = _seat(reader, int(joints.arrays.nodes[c, side]), point)
     return {
-        "connection": unique(joints.names),
         "connection_kind": ("connection", np.where(joints.row >= 0, "joint", "spring")),
         "connection_station": (("connection", "side"), station),
         "connection_arm": (("connection", "side", "axis"), arm),

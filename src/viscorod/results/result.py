@@ -50,6 +50,13 @@ class Result(ABC):
         self.data = annotated(data, self.kind)
 
     @classmethod
+    def owning(cls, data: xr.Dataset) -> Self:
+        """Return a result of a data set that nobody else has; it is not copied."""
+        result = cls.__new__(cls)
+        result.data = annotated(data, cls.kind, own=True)
+        return result
+
+    @classmethod
     def later(cls, build: Callable[[], xr.Dataset]) -> Self:
         """Return a result whose data set is built on first use; ``build`` must not depend on when."""
         result = cls.__new__(cls)
@@ -59,7 +66,7 @@ class Result(ABC):
     @cached_property
     def data(self) -> xr.Dataset:
         """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.data_schema``."""
-        data = annotated(self._build(), self.kind)
+        data = annotated(self._build(), self.kind, own=True)
         del self._build
         return data
 
@@ -200,19 +207,19 @@ class Result(ABC):
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        data = self.data[[name, "reference_position"]]
+        found, reference = self.data.variables[name], self.data.variables["reference_position"]
         try:
-            data = data.isel({self.dimension: states})
+            found = found.isel({self.dimension: states})
             if stations is not None:
-                data = data.isel(station=stations)
+                found, reference = found.isel(station=stations), reference.isel(station=stations)
         except (IndexError, KeyError, TypeError, ValueError) as error:
             sizes = f"{self.data.sizes[self.dimension]} states and {self.data.sizes['station']} stations"
             raise InputError(
                 f"states, stations: {states!r}, {stations!r}: these are no numbers of states or stations ({error}); "
                 f"there are {sizes}, numbered from 0"
             ) from None
-        values = np.asarray(data[name].values, dtype=float)
-        return values - data["reference_position"].values if quantity == "displacement" else values
+        values = np.asarray(found.values, dtype=float)
+        return values - reference.values if quantity == "displacement" else values
 
     @checked
     def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:

@@ -55,7 +55,7 @@ class ResultPlaces:
     """All stations of a data set: those of rods by arc length, and places on rigid bodies."""
 
     def __init__(self, data: xr.Dataset) -> None:
-        self._take(*(data[f"station_{name}"].values for name in ("rod", "s", "order")))
+        self._take(*(data.variables[f"station_{name}"].values for name in ("rod", "s", "order")))
 
     @classmethod
     def of(cls, rods: np.ndarray, s: Floats, order: Integers) -> ResultPlaces:

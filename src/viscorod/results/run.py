@@ -45,7 +45,7 @@ class Run(Result):
     @property
     def time(self) -> Floats:
         """Stored times [s]."""
-        return np.asarray(self.data["time"].values, dtype=float)
+        return np.asarray(self.data.variables["time"].values, dtype=float)
 
     @cached_property
     def step_ends(self) -> Integers | None:

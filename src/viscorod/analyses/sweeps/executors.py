@@ -21,6 +21,7 @@ from typing import Any, TypeAlias
 
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweep_workers import FAILED, TRIES, UNTOUCHED, Found, Work
+from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
@@ -235,7 +236,8 @@ def _nowhere(_part: float) -> None:
 def _compute_batch(work: Work, stopped: Callable[[], bool], jobs: Sequence[Any]) -> tuple[float, list[Found]]:
     """Compute a batch of members where a worker is; returns the time [s] it took, and what was found."""
     began = time.perf_counter()
-    results = [UNTOUCHED if stopped() else work(job, _nowhere, stopped) for job in jobs]
+    with little_garbage():
+        results = [UNTOUCHED if stopped() else work(job, _nowhere, stopped) for job in jobs]
     return time.perf_counter() - began, results
 
 

@@ -24,6 +24,8 @@ NEAR, EXACT = 40, 16.0 * float(np.finfo(float).eps)
 """Motions at most whose stiffness is told apart from this round-off, and their own, as a part of what adds up to it."""
 FULL = 10_000
 """Size up to which all eigenvalues are found where pivots vanish: a full matrix of it takes almost a gigabyte."""
+SMALL = 200
+"""Size up to which a full matrix is quicker than a sparse one."""
 ITERATIONS = 8
 """Inverse iterations, next to where stiffness vanishes."""
 NEUTRAL = 1e-13
@@ -77,6 +79,8 @@ def _doubtful(
 
     None if there are none, too many, or they were not found.
     """
+    if gradients is None and symmetric.shape[0] <= SMALL and _surely_positive(symmetric.toarray()):
+        return 0, 0, None
     scale = np.asarray(abs(symmetric).sum(axis=1)).ravel()
     size = sparse.diags_array(np.maximum(scale, NEUTRAL * float(scale.mean())))
     possible = _Pivots(sparse.csc_array(symmetric - ROUND_OFF * size), gradients).negative
@@ -88,6 +92,17 @@ def _doubtful(
     if 0 < count <= NEAR and shifted.solve is not None:
         motions = _nearest(shifted.solve, size, count)
     return shifted.negative, possible, motions
+
+
+def _surely_positive(matrix: Floats) -> bool:
+    """Return whether a symmetric matrix stays positive definite when its rounding is taken off: it has a root then."""
+    scale = np.abs(matrix).sum(axis=1)
+    lowered = matrix - np.diag(ROUND_OFF * np.maximum(scale, NEUTRAL * float(scale.mean())))
+    try:
+        np.linalg.cholesky(lowered)
+    except np.linalg.LinAlgError:
+        return False
+    return bool(np.isfinite(scale).all())
 
 
 def _negative_work(work: Work, motions: Floats) -> int:

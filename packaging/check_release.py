@@ -1,0 +1,130 @@
+"""Check the wheel and the sdist in dist/ in environments that hold nothing else.
+
+``make release`` builds both and runs this. For every Python interpreter named (default: the one that runs this script),
+the wheel is installed twice into an empty environment: with the lowest versions of its dependencies that it declares,
+and with the newest there are. In each the Python of the README and a shipped case run, from an empty folder.
+"""
+
+from __future__ import annotations
+
+import argparse
+import re
+import subprocess
+import sys
+import tarfile
+import tempfile
+import zipfile
+from email.message import Message
+from email.parser import Parser
+from pathlib import Path
+
+ROOT = Path(__file__).parents[1]
+REQUIREMENT = re.compile(r"^([\w.-]+)(?:\[[\w,-]+\])?>=([\d.]+)$")
+
+
+def metadata(wheel: Path) -> Message:
+    """Return what an index is told about a wheel."""
+    with zipfile.ZipFile(wheel) as archive:
+        name = next(name for name in archive.namelist() if name.endswith(".dist-info/METADATA"))
+        return Parser().parsestr(archive.read(name).decode())
+
+
+def lowest(about: Message) -> list[str]:
+    """Return the dependencies of a wheel, each held at the lowest minor version that it declares."""
+    held = []
+    for line in about.get_all("Requires-Dist") or []:
+        if ";" in line:  # an extra
+            continue
+        found = REQUIREMENT.match(line.replace(" ", ""))
+        if found is None:
+            raise SystemExit(f"pyproject.toml: {line!r} has no lower bound, as 'name>=1.2'")
+        held.append(f"{found[1]}=={found[2]}.*")
+    return held
+
+
+def check_contents(wheel: Path, sdist: Path) -> None:
+    """Refuse a wheel or an sdist that lacks what belongs into it, and links that lead nowhere on an index."""
+    with zipfile.ZipFile(wheel) as archive:
+        names = archive.namelist()
+    for part in (
+        "viscorod/py.typed",
+        "viscorod/__init__.pyi",
+        "viscorod/casefile/examples/cantilever_swing.toml",
+    ):
+        if part not in names:
+            raise SystemExit(f"{wheel.name}: {part} is missing")
+    if not any(name.endswith("licenses/LICENSE") for name in names):
+        raise SystemExit(f"{wheel.name}: LICENSE is missing")
+    with tarfile.open(sdist) as archive:
+        inside = {name.partition("/")[2] for name in archive.getnames()}
+    for part in (
+        "tests/conftest.py",
+        "docs/conf.py",
+        "examples/cantilever_swing.toml",
+        "Makefile",
+        "CITATION.cff",
+    ):
+        if part not in inside:
+            raise SystemExit(f"{sdist.name}: {part} is missing")
+    text = metadata(wheel).get_payload()
+    relative = re.findall(r"\]\((?!https?:)([^)]+)\)", str(text))
+    if relative:
+        raise SystemExit(f"{wheel.name}: links that lead nowhere on a package index: {relative}")
+
+
+def readme_code() -> str:
+    """Return the Python of the README."""
+    found = re.search(r"^```python\n(.*?)^```", (ROOT / "README.md").read_text(encoding="utf-8"), re.M | re.S)
+    assert found is not None
+    return found[1]
+
+
+def run(command: list[str], folder: Path) -> None:
+    """Run a command in a folder; a failure ends the check."""
+    print(
+        "  ", " ".join(Path(command[0]).name if part == command[0] else part for part in command), flush=True
+    )
+    done = subprocess.run(command, cwd=folder, text=True, capture_output=True, check=False)
+    if done.returncode:
+        raise SystemExit(f"failed with {done.returncode}:\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}")
+
+
+def check_installed(python: str, wheel: Path, held: list[str]) -> None:
+    """Install a wheel into an empty environment and use it there as a newcomer does."""
+    with tempfile.TemporaryDirectory() as name:
+        folder = Path(name)
+        run([python, "-m", "venv", "env"], folder)
+        bin_ = folder / "env" / ("Scripts" if sys.platform == "win32" else "bin")
+        pip = [str(bin_ / "python"), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
+        run([*pip, "--prefer-binary", str(wheel), *held], folder)
+        run([str(bin_ / "python"), "-m", "pip", "check"], folder)
+        (folder / "readme.py").write_text(readme_code(), encoding="utf-8")
+        run([str(bin_ / "python"), "-W", "error::DeprecationWarning:__main__", "readme.py"], folder)
+        run([str(bin_ / "viscorod"), "example", "cantilever_swing"], folder)
+        run([str(bin_ / "viscorod"), "check", "cantilever_swing.toml"], folder)
+        run([str(bin_ / "viscorod"), "run", "cantilever_swing.toml", "-o", "out"], folder)
+        for made in ("motion.png", "out/run.nc", "out/motion.png", "out/energy.png"):
+            if not (folder / made).is_file():
+                raise SystemExit(f"{made} was not written")
+
+
+def main() -> None:
+    """Check what lies in dist/."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("python", nargs="*", default=[sys.executable], help="interpreters to install into")
+    parser.add_argument("--dist", type=Path, default=ROOT / "dist", help="where wheel and sdist lie")
+    options = parser.parse_args()
+    (wheel,), (sdist,) = list(options.dist.glob("*.whl")), list(options.dist.glob("*.tar.gz"))
+    check_contents(wheel, sdist)
+    about = metadata(wheel)
+    for python in options.python:
+        for words, held in (("lowest", lowest(about)), ("newest", [])):
+            print(f"{wheel.name} on {python}, {words} versions", flush=True)
+            check_installed(python, wheel, held)
+    print(f"{wheel.name} and {sdist.name} are ready to be published")
+
+
+if __name__ == "__main__":
+    main()
