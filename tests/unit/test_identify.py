@@ -8,7 +8,9 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.measured_files import STRIP, write_lengths
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
 from viscorod.casefile.case import case_from_dict
@@ -479,3 +481,41 @@ def test_draws_come_back_from_a_file_as_arviz_takes_them(tmp_path):
     assert float(draws.std()) == pytest.approx(fit[YOUNG].standard_error, rel=0.5)
     assert tree["sample_stats"]["lp"].shape == draws.shape
     assert fit.distributions()[YOUNG].mean() == pytest.approx(float(draws.mean()), rel=1e-3)
+
+
+def lengths(folder, sought, mass=0.005):
+    """Fit the frequencies of a strip of 68 GPa with a sensor at four lengths, 0.3 % noise, by a file."""
+    made = tomllib.loads(STRIP)
+    made["materials"]["aluminium"]["youngs_modulus"] = 68e9
+    made["bodies"]["sensor"]["mass"] = mass
+    rng, found = np.random.default_rng(8), {}
+    for length in (0.3, 0.4, 0.5, 0.6):
+        made["rods"]["strip"]["end"][0] = made["bodies"]["sensor"]["centre"][0] = length
+        found[length] = run_case(case_from_dict(made)).frequencies[:2] * (1.0 + 3e-3 * rng.normal(size=2))
+    plan = load_fit(write_lengths(folder, found, sought))
+    return vr.identify(plan.pairs, parameters=plan.parameters)
+
+
+ALUMINIUM, SENSOR, CLAMP = (
+    "materials.aluminium.youngs_modulus",
+    "bodies.sensor.mass",
+    "springs[0].stiffness.ry",
+)
+
+
+def test_lengths_separate_the_modulus_from_the_mass_of_a_sensor(tmp_path):
+    """A sensor counts more on a short strip, a modulus alike on all lengths."""
+    fit = lengths(tmp_path, {ALUMINIUM: 70e9, SENSOR: 0.005}, mass=0.007)
+    for name, true in ((ALUMINIUM, 68e9), (SENSOR, 0.007)):
+        assert abs(fit[name].value - true) < 4.0 * fit[name].standard_error
+        assert fit[name].told
+    assert fit.correlation[0, 1] > 0.8
+    assert (fit[ALUMINIUM].unit, fit[SENSOR].unit) == ("Pa", "kg")
+
+
+def test_a_clamp_that_is_much_stiffer_than_the_strip_is_not_told(tmp_path):
+    """One that turns 1000 times less than the strip bends: nothing limits it from above."""
+    fit = lengths(tmp_path, {ALUMINIUM: 70e9, CLAMP: 5e3})
+    assert fit[CLAMP].high == np.inf
+    assert any(CLAMP in text for text in fit.sentences)
+    assert fit[ALUMINIUM].told

@@ -15,6 +15,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from importlib import import_module
 from typing import Any
 
 import numpy as np
@@ -81,7 +82,7 @@ def drawn(
             )
         )
     try:
-        import emcee
+        emcee = import_module("emcee")
     except ImportError:
         raise InputError(Fault("draws", "", "chains are run by the package emcee", INSTALL)) from None
     size = len(found.z)
