@@ -256,9 +256,8 @@ def profile_end(
             continue
         if abs(rise - reach) < 0.01 * reach:
             break
-        if abs(place - centre) > max(
-            VERY_FAR, 20.0 * abs(guess - centre)
-        ):  # it flattens: nothing limits the number on this side
+        # it flattens: nothing limits the number on this side
+        if abs(place - centre) > max(VERY_FAR, 20.0 * abs(guess - centre)):
             return float(np.sign(place - centre)) * np.inf
         slope = (rise - height) / (place - last)
         last, height = float(place), rise
