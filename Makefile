@@ -15,12 +15,13 @@ COMPILATION := tests/unit/test_warmup.py
 unexport PYTHONDONTWRITEBYTECODE
 
 .DEFAULT_GOAL := help
-.PHONY: help demo quick test release coverage search fuzz honest check style types pages kernels docs figures bench peers clean
+.PHONY: help demo quick test numba release coverage search fuzz honest check style types pages kernels docs figures bench peers clean
 
 help:
 	@echo "make demo   run examples/cantilever_swing.toml; pictures and data in out/cantilever_swing"
 	@echo "make quick  unit and property tests but the slow ones: a minute, once kernels are compiled"
 	@echo "make test   all checks and all tests"
+	@echo "make numba  kernels of elements with four versions of Numba, each in an environment of its own"
 	@echo "make coverage  tests of kernels in pure Python: how many lines of the mechanics they reach"
 	@echo "make search property tests with new random examples"
 	@echo "make fuzz   10 000 damaged versions of every shipped case, 1000 of every kind of result, damaged journals, interrupts (hours)"
@@ -29,7 +30,7 @@ help:
 	@echo "make docs   documentation in docs/_build/html"
 	@echo "make figures  draw the pictures of the documentation again and print its tables"
 	@echo "make bench  timings, as ratios"
-	@echo "make release  wheel and sdist in dist/, installed and used in empty environments"
+	@echo "make release  wheels (with machine code too) and sdist in dist/, installed and used in empty environments"
 	@echo "make peers  the same motions computed by other programs: time against error"
 	@echo "make clean  remove everything that was made here, the environment too"
 
@@ -90,6 +91,15 @@ coverage: $(VENV)/.stamp-test
 	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report
 
+# The kernels of elements, in machine code, with versions of Numba whose inner classes differ.
+NUMBAS ?= 0.61 0.64 0.66 0.68
+numba: $(VENV)/.stamp-test
+	set -e; for version in $(NUMBAS); do \
+	  $(PYTHON) -m venv --clear $(VENV)/numba; \
+	  $(VENV)/numba/bin/python -m pip install --quiet --prefer-binary --editable . "numba==$$version.*" 'pytest>=8.3' 'hypothesis>=6.112'; \
+	  $(VENV)/numba/bin/python -m pytest -q -p no:cacheprovider tests/unit/test_element_kernels.py tests/unit/test_machine_code.py; \
+	done
+
 search: $(VENV)/.stamp-test
 	$(PYTEST) tests/property --hypothesis-profile=search
 
@@ -129,6 +139,7 @@ release: $(VENV)/.stamp-test
 	$(PIP) 'build>=1.2' 'twine>=6.0'
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
+	HATCH_BUILD_HOOK_ENABLE_CUSTOM=1 $(BIN)/python -m build --wheel --outdir dist .
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/python packaging/check_release.py
 

@@ -1,8 +1,9 @@
-"""Check the wheel and the sdist in dist/ in environments that hold nothing else.
+"""Check the wheels and the sdist in dist/ in environments that hold nothing else.
 
 ``make release`` builds both and runs this. For every Python interpreter named (default: the one that runs this script),
-the wheel is installed twice into an empty environment: with the lowest versions of its dependencies that it declares,
-and with the newest there are. In each the Python of the README and a shipped case run, from an empty folder.
+each wheel is installed twice into an empty environment: with the lowest versions of its dependencies that it declares,
+and with the newest there are. In each the Python of the README and a shipped case run, from an empty folder. A wheel
+with machine code is installed where its Python is; with the Numba that it was built with, nothing may be compiled.
 """
 
 from __future__ import annotations
@@ -79,14 +80,26 @@ def readme_code() -> str:
     return found[1]
 
 
-def run(command: list[str], folder: Path) -> None:
-    """Run a command in a folder; a failure ends the check."""
+def has_machine_code(wheel: Path) -> bool:
+    """Return whether a wheel has kernels compiled: it is for one Python and one platform then."""
+    return not wheel.stem.endswith("-none-any")
+
+
+def run(command: list[str], folder: Path) -> str:
+    """Run a command in a folder and return what it told; a failure ends the check."""
     print(
         "  ", " ".join(Path(command[0]).name if part == command[0] else part for part in command), flush=True
     )
     done = subprocess.run(command, cwd=folder, text=True, capture_output=True, check=False)
     if done.returncode:
         raise SystemExit(f"failed with {done.returncode}:\n{done.stdout[-3000:]}\n{done.stderr[-3000:]}")
+    return done.stdout + done.stderr
+
+
+def tag(python: str) -> str:
+    """Return the mark of an interpreter in the names of wheels."""
+    code = "import sys; print(f'cp{sys.version_info[0]}{sys.version_info[1]}')"
+    return run([python, "-c", code], ROOT).strip()
 
 
 def check_installed(python: str, wheel: Path, held: list[str]) -> None:
@@ -98,14 +111,17 @@ def check_installed(python: str, wheel: Path, held: list[str]) -> None:
         pip = [str(bin_ / "python"), "-m", "pip", "--disable-pip-version-check", "install", "--quiet"]
         run([*pip, "--prefer-binary", str(wheel), *held], folder)
         run([str(bin_ / "python"), "-m", "pip", "check"], folder)
+        told = ""
         (folder / "readme.py").write_text(readme_code(), encoding="utf-8")
-        run([str(bin_ / "python"), "-W", "error::DeprecationWarning:__main__", "readme.py"], folder)
+        told += run([str(bin_ / "python"), "-W", "error::DeprecationWarning:__main__", "readme.py"], folder)
         run([str(bin_ / "viscorod"), "example", "cantilever_swing"], folder)
         run([str(bin_ / "viscorod"), "check", "cantilever_swing.toml"], folder)
-        run([str(bin_ / "viscorod"), "run", "cantilever_swing.toml", "-o", "out"], folder)
+        told += run([str(bin_ / "viscorod"), "run", "cantilever_swing.toml", "-o", "out"], folder)
         for made in ("motion.png", "out/run.nc", "out/motion.png", "out/energy.png"):
             if not (folder / made).is_file():
                 raise SystemExit(f"{made} was not written")
+        if has_machine_code(wheel) and not held and "compiling" in told:
+            raise SystemExit(f"{wheel.name}: kernels were compiled, with the newest Numba:\n{told}")
 
 
 def main() -> None:
@@ -116,14 +132,16 @@ def main() -> None:
     parser.add_argument("python", nargs="*", default=[sys.executable], help="interpreters to install into")
     parser.add_argument("--dist", type=Path, default=ROOT / "dist", help="where wheel and sdist lie")
     options = parser.parse_args()
-    (wheel,), (sdist,) = list(options.dist.glob("*.whl")), list(options.dist.glob("*.tar.gz"))
-    check_contents(wheel, sdist)
-    about = metadata(wheel)
-    for python in options.python:
-        for words, held in (("lowest", lowest(about)), ("newest", [])):
-            print(f"{wheel.name} on {python}, {words} versions", flush=True)
-            check_installed(python, wheel, held)
-    print(f"{wheel.name} and {sdist.name} are ready to be published")
+    wheels, (sdist,) = sorted(options.dist.glob("*.whl")), list(options.dist.glob("*.tar.gz"))
+    for wheel in wheels:
+        check_contents(wheel, sdist)
+        for python in options.python:
+            if has_machine_code(wheel) and f"-{tag(python)}-" not in wheel.name:
+                continue
+            for words, held in (("lowest", lowest(metadata(wheel))), ("newest", [])):
+                print(f"{wheel.name} on {python}, {words} versions", flush=True)
+                check_installed(python, wheel, held)
+    print(f"{', '.join(wheel.name for wheel in wheels)} and {sdist.name} are ready to be published")
 
 
 if __name__ == "__main__":

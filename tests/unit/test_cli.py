@@ -16,9 +16,9 @@ import viscorod.analyses.check
 import viscorod.analyses.discrete
 import viscorod.casefile.case
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.analyses.progress import reporting
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli.app import app
-from viscorod.cli.progress import reporting
 from viscorod.results.result_numbers import numbers_of, plain
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.validity import Condition, Validity

@@ -8,7 +8,7 @@ import sys
 
 import pytest
 
-from viscorod.mechanics.compilation.compiled import cache_folder
+from viscorod.mechanics.compilation.machine_code import cache_folder
 
 CHECK = """
 from viscorod.mechanics.compilation.compiled import on_disk

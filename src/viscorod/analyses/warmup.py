@@ -24,10 +24,10 @@ from viscorod.mechanics.compilation.compiled import (
     KERNELS,
     PURE_PYTHON,
     await_compilation,
-    cache_folder,
     compile_aside,
     on_disk,
 )
+from viscorod.mechanics.compilation.machine_code import cache_folder
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
@@ -101,8 +101,8 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         await_compilation()
     if progress is not None:
         progress(_ready())  # what the second process compiled was only read here
-    found = cache_folder()
-    folders = (found,) if found else tuple(dict.fromkeys(Path(kernel.stats.cache_path) for kernel in KERNELS))
+    folder = cache_folder()
+    folders = () if folder is None else (folder,)
     return WarmUp(time.perf_counter() - begin, _misses() - before, folders)
 
 

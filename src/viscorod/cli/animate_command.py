@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import motion
 from viscorod.cli.options import ResultFile, output_option
 from viscorod.cli.terminal import readable_errors, written
@@ -31,12 +32,12 @@ def animate(
 ) -> None:
     """Make a film of a motion."""
     with readable_errors():
-        from viscorod.cli.progress import counting
+        from viscorod.analyses.progress import counting
         from viscorod.pictures.animation import Pace, write_film
 
         run = motion(result, "a film")
         target = output or result.with_name("motion.gif")
         pace = Pace.of(run, fps, speed, hundredths=target.suffix.lower() == ".gif")
-        with counting(pace.times.size, "frames") as progress:
+        with counting(pace.times.size, "frames", shown=not quiet()) as progress:
             film = write_film(run, target, fps=fps, speed=speed, progress=progress)
         written([film], f", {pace.times.size} frames, speed {pace.speed:g}", first=True)

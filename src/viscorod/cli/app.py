@@ -6,6 +6,7 @@ Heavy packages are imported inside the commands, so that ``--help`` and ``--vers
 from __future__ import annotations
 
 import gc
+import logging
 import os
 import sys
 import warnings
@@ -17,6 +18,7 @@ from viscorod.cli.animate_command import animate
 from viscorod.cli.buckling_command import buckling
 from viscorod.cli.check_command import check
 from viscorod.cli.command_kind import HELP, add
+from viscorod.cli.compilation_line import CompilationLine, end_compilation_line
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.ensemble_command import ensemble
 from viscorod.cli.example_command import example
@@ -98,9 +100,11 @@ def main() -> None:
     # Python hides these warnings outside of scripts; whoever writes a case file is to see a former name of a key
     warnings.filterwarnings("default", message=r"\w+ is now \w+$", category=DeprecationWarning)
     warnings.showwarning = lambda message, *_, **__: typer.echo(f"warning: {message}", err=True)
+    logging.getLogger("viscorod").addHandler(CompilationLine())
     try:
         app()
     except SystemExit as end:
+        end_compilation_line()
         code = end.code if isinstance(end.code, int) else int(end.code is not None)
         sys.stdout.flush()
         sys.stderr.flush()

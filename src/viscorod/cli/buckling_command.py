@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
@@ -40,8 +41,8 @@ def buckling(
     """
     with readable_errors():
         from viscorod.analyses.case_run import as_model
+        from viscorod.analyses.progress import reporting
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import reporting
         from viscorod.solve.settings.buckling import BucklingSettings
 
         loaded = load_case(existing(case))
@@ -57,7 +58,7 @@ def buckling(
         replacing_note(folder / "buckling.nc")
         code = 0
         try:
-            with polite_stop() as stop, reporting(BucklingSettings().course) as progress:
+            with polite_stop() as stop, reporting(BucklingSettings().course, shown=not quiet()) as progress:
                 found = as_model(loaded.description).buckling(
                     **settings, title=loaded.title, stop=stop, progress=progress
                 )

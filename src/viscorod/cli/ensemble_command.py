@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.key_values import SetValues, drawn, named, part_of, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
@@ -53,8 +54,8 @@ def ensemble(
     """Compute a case with uncertain values: print quantiles and Sobol' indices, write data and pictures."""
     with readable_errors():
         from viscorod.analyses.ensemble import ensemble as compute
+        from viscorod.analyses.progress import counting
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import counting
         from viscorod.errors import InputError
         from viscorod.results.files.folder_lock import locked
 
@@ -65,7 +66,7 @@ def ensemble(
         count = points * (len(distributions) + 2 if indices else 1)
         with nullcontext() if part is not None else locked(folder):
             try:
-                with counting(max(count, 1), "members") as progress:
+                with counting(max(count, 1), "members", shown=not quiet()) as progress:
                     result = compute(
                         loaded,
                         distributions,

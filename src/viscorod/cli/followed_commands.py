@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
@@ -28,7 +29,7 @@ def stability(case: CaseFile, output: ResultFolder = None) -> None:
 def _follow(kind: str, path: Path, output: Path | None) -> None:
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.followed_modes import FollowedModes
 
         case = case_for(kind, path)
@@ -36,7 +37,7 @@ def _follow(kind: str, path: Path, output: Path | None) -> None:
         replacing_note(folder / f"{kind}.nc")
         code = 0
         try:
-            with polite_stop() as stop, reporting(case.settings.course) as progress:
+            with polite_stop() as stop, reporting(case.settings.course, shown=not quiet()) as progress:
                 result = run_case(case, discretised_case(case), progress=progress, stop=stop)
         except SolveError as error:
             if error.run is None:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
@@ -23,14 +24,14 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
     """Follow the periodic motions of a case with a table [periodic]: a report, data, a table and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.periodic import Periodic
 
         loaded = case_for("periodic", case)
         folder = writable(output or Path("out") / case.stem)
         replacing_note(folder / "periodic.nc")
         try:
-            with polite_stop() as stop, reporting(loaded.settings.course) as progress:
+            with polite_stop() as stop, reporting(loaded.settings.course, shown=not quiet()) as progress:
                 result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
         except SolveError as error:
             if error.run is None:

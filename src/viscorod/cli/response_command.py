@@ -6,6 +6,7 @@ from pathlib import Path
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import case_for, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
@@ -19,7 +20,7 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
     """Compute the frequency response of a case with a table [response]: a report, data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.frequency_response import FrequencyResponse
 
         loaded = case_for("response", case)
@@ -27,7 +28,7 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
         replacing_note(folder / "response.nc")
         code = 0
         try:
-            with polite_stop() as stop, reporting(loaded.settings.course) as progress:
+            with polite_stop() as stop, reporting(loaded.settings.course, shown=not quiet()) as progress:
                 result = run_case(loaded, discretised_case(loaded), progress=progress, stop=stop)
         except SolveError as error:
             if not isinstance(error.run, FrequencyResponse):

@@ -114,7 +114,7 @@ def _compute(
 ) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
-    from viscorod.cli.progress import reporting
+    from viscorod.analyses.progress import reporting
     from viscorod.results.files.folder_lock import claimed
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove
@@ -125,7 +125,7 @@ def _compute(
     result: AnyResult
     with claimed(folder, anew=anew) if static else nullcontext():  # motions do it themselves
         try:
-            with polite_stop() as stop, reporting(case.settings.course) as progress:
+            with polite_stop() as stop, reporting(case.settings.course, shown=not quiet()) as progress:
                 result = run_case(
                     case,
                     discrete,

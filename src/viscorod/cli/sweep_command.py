@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
+from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, writable
 from viscorod.cli.key_values import column_of, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
@@ -116,10 +117,10 @@ def sweep(
 ) -> None:
     """Compute a case with many values: print a table, write data."""
     with readable_errors():
+        from viscorod.analyses.progress import counting
         from viscorod.analyses.sweep import sweep as compute
         from viscorod.analyses.sweeps.rows import rows_of
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import counting
         from viscorod.results.files.folder_lock import locked
 
         loaded = load_case(existing(case))
@@ -146,7 +147,7 @@ def sweep(
             replacing_note(folder / "sweep.nc")
         with nullcontext() if array_job else locked(folder):
             try:
-                with counting(count, "members") as progress:
+                with counting(count, "members", shown=not quiet()) as progress:
                     result = compute(
                         loaded,
                         **given,

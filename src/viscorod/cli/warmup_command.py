@@ -4,19 +4,21 @@ from __future__ import annotations
 
 import typer
 
+from viscorod.cli.command_kind import quiet
+
 __all__ = ["warmup"]
 
 
 def warmup() -> None:
     """Compile all kernels now, so that later runs start at once."""
+    from viscorod.analyses.progress import counting
     from viscorod.analyses.warmup import kernels, warm_up
-    from viscorod.cli.progress import counting
 
     count = len(kernels())
     if count == 0:
         typer.echo("nothing to compile: NUMBA_DISABLE_JIT is set, kernels are Python functions")
         return
-    with counting(count, "kernels") as progress:
+    with counting(count, "kernels", shown=not quiet()) as progress:
         done = warm_up(progress)
     folders = ", ".join(map(str, done.folders))
     if done.compiled:

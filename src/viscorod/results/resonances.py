@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import minimize_scalar
+import scipy  # its parts are imported when they are asked for
 
 from viscorod.typing import Floats
 
@@ -170,7 +170,7 @@ def _circle(hertz: Floats, response: np.ndarray) -> float | None:
 
     centre_angle = 0.5 * (angle[0] + angle[-1])
     reach = 0.4 * abs(angle[-1] - angle[0])
-    best = minimize_scalar(
+    best = scipy.optimize.minimize_scalar(
         lambda m: line(m)[1], bounds=(centre_angle - reach, centre_angle + reach), method="bounded"
     )
     slope, start = line(float(best.x))[0]

@@ -9,6 +9,7 @@ from viscorod.cli.damping_commands.blade_command import blade
 from viscorod.cli.damping_commands.convert_command import convert
 from viscorod.cli.damping_commands.decay_command import decay
 from viscorod.cli.damping_commands.master_command import master
+from viscorod.cli.damping_commands.modes_command import modes
 from viscorod.cli.damping_commands.program_commands import from_program, programs
 
 __all__ = ["app"]
@@ -24,3 +25,4 @@ add(app, blade)
 add(app, from_program, "from")
 add(app, decay, numbers=True)
 add(app, master, numbers=True)
+add(app, modes, numbers=True)

@@ -9,9 +9,8 @@ import typer
 
 from viscorod.cli.command_kind import wants_json
 from viscorod.cli.files import picture_at
-from viscorod.cli.options import OptionalNumber, numbers_of, output_option
+from viscorod.cli.options import OptionalNumber, output_option, pair_of
 from viscorod.cli.terminal import readable_errors, say, told, written
-from viscorod.errors import Fault, InputError
 
 __all__ = ["master"]
 
@@ -43,8 +42,8 @@ def master(
             files,
             reference=reference,
             vertical=vertical,
-            band=None if band is None else _pair("--band", band),
-            law_range=None if law_range is None else _pair("--law-range", law_range),
+            band=None if band is None else pair_of("--band", band),
+            law_range=None if law_range is None else pair_of("--law-range", law_range),
         )
         files = []
         if output is not None:
@@ -62,13 +61,6 @@ def master(
         say("\n".join(["[materials.NAME.shift]", *lines]))
         if files:
             written(files)
-
-
-def _pair(flag: str, text: str) -> tuple[float, float]:
-    values = numbers_of(flag, text)
-    if len(values) != 2 or not values[0] < values[1]:
-        raise InputError(Fault(flag, text, "two increasing numbers are needed", f"give {flag} 0.1,10"))
-    return values[0], values[1]
 
 
 def _written(value: object) -> str:

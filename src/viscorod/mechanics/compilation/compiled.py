@@ -7,31 +7,22 @@ slower, which debuggers and measurements of coverage can follow.
 from __future__ import annotations
 
 import contextlib
-import functools
-import hashlib
 import logging
 import os
-import re
-import shutil
 import subprocess
 import sys
-import tempfile
 from collections.abc import Callable
-from pathlib import Path
 from typing import Any, TypeVar, cast
 
 import numba
 
-from viscorod.mechanics.compilation.claims import ClaimedCache
+from viscorod.mechanics.compilation.kernel_store import KernelStore
 from viscorod.mechanics.compilation.pipelines import kernel_compiler, part_compiler
 
 Kernel = TypeVar("Kernel", bound=Callable[..., object])
 
 _ASIDE = "VISCOROD_COMPILES_ASIDE"
 """Set in the process that compiles aside."""
-
-_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part|loop_part)$", re.MULTILINE)
-_IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
 
 _helpers: list[subprocess.Popen[bytes]] = []
 
@@ -42,59 +33,11 @@ _FAST = {"contract", "nsz"}
 """What floating point may do: multiply and add at once, forget the sign of zero."""
 
 _njit: Any = numba.njit
-_config: Any = numba.config
-
-PURE_PYTHON = bool(_config.DISABLE_JIT)
+PURE_PYTHON = bool(cast(Any, numba).config.DISABLE_JIT)
 """Whether kernels stay the Python functions that they are."""
 
 KERNELS: list[Any] = []
 """All kernels that have been imported, as Numba's dispatchers; none in pure Python."""
-
-
-def _kernel_sources(package: Path) -> list[bytes]:
-    """Return the sources that machine code depends on: modules with kernels, and what these import of the package."""
-    sources = {
-        path: path.read_bytes()
-        for part_of in ("mechanics", "solve")
-        for path in sorted((package / part_of).rglob("*.py"))
-    }
-    found: set[Path] = set()
-    sought = {path for path, text in sources.items() if _MARK.search(text)}
-    while sought:
-        found |= sought
-        names = {name.decode() for path in sought for name in _IMPORTED.findall(sources[path])}
-        places = {package.joinpath(*name.split(".")) for name in names}
-        files = {place.with_suffix(".py") for place in places} | {place / "__init__.py" for place in places}
-        sought = (files & sources.keys()) - found
-    return [sources[path] for path in sorted(found)]
-
-
-@functools.lru_cache
-def cache_folder() -> Path | None:
-    """Return the folder of the machine code of exactly this version of all kernels; None if none is writable.
-
-    Kernels contain those that they call, so all are compiled again when the source of any has changed; folders of
-    earlier versions are removed. It lies in Numba's cache folder if one is set, else in that of this package.
-    """
-    package = Path(__file__).parents[2]
-    content = hashlib.sha1(usedforsecurity=False)
-    for source in _kernel_sources(package):
-        content.update(source)
-    family = f"viscorod-{hashlib.sha1(str(package).encode(), usedforsecurity=False).hexdigest()[:8]}-"
-    given = _config.CACHE_DIR
-    user = Path(os.environ.get("XDG_CACHE_HOME") or Path.home() / ".cache")
-    for base in [Path(given)] if given else [package / "__pycache__", user / "viscorod"]:
-        folder = base / f"{family}{content.hexdigest()[:16]}"
-        try:
-            if not folder.is_dir():
-                for earlier in base.glob(f"{family}*"):
-                    shutil.rmtree(earlier, ignore_errors=True)
-                folder.mkdir(parents=True, exist_ok=True)
-            tempfile.TemporaryFile(dir=folder).close()
-        except OSError:  # not writable
-            continue
-        return folder
-    return None
 
 
 def _allocates(function: Callable[..., object]) -> bool:
@@ -148,10 +91,7 @@ def loop(function: Kernel) -> Kernel:
 def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
-    folder, given = cache_folder(), _config.CACHE_DIR
-    _config.CACHE_DIR = given if folder is None else str(folder)
     compiled: Any = _njit(
-        cache=True,
         error_model="numpy",
         fastmath=fast,
         no_cfunc_wrapper=True,
@@ -159,19 +99,14 @@ def _kernel(function: Kernel, fast: set[str] | bool) -> Kernel:
         pipeline_class=kernel_compiler(),
         _nrt=_allocates(function),
     )(function)
-    _config.CACHE_DIR = given
-    if folder is not None:
-        name = f"{function.__module__}.{function.__name__}"
-        compiled._cache = ClaimedCache(compiled._cache, folder / f"{name}.claim")
+    compiled._cache = KernelStore(function)
     KERNELS.append(compiled)
     return cast(Kernel, compiled)
 
 
 def on_disk(compiled: Any) -> bool:
-    """Return whether there is machine code of a kernel on disk."""
-    function = compiled.py_func
-    stem = f"{function.__module__.rpartition('.')[2]}.{function.__name__}-{function.__code__.co_firstlineno}."
-    return any(Path(compiled.stats.cache_path).glob(f"{stem}*.nbi"))
+    """Return whether there is machine code of a kernel on disk, compiled here or in the wheel."""
+    return bool(compiled._cache.filled())
 
 
 def lane_kernel(function: Kernel) -> Kernel:
@@ -212,7 +147,8 @@ def announce_formulation(first: Any) -> None:
     """Warn if ``first``, a kernel that only some runs need, still has to be compiled."""
     if _uncompiled(first):
         logging.getLogger("viscorod").warning(
-            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute"
+            "viscorod: compiling the kernels that this kind of model needs, once, for about a quarter of a minute",
+            extra={"compiles": True},
         )
 
 
@@ -221,7 +157,8 @@ def announce_compilation(largest: Any) -> None:
     if _uncompiled(largest):
         logging.getLogger("viscorod").warning(
             "viscorod: compiling its kernels, once, for about half a minute; later runs start at once "
-            "(viscorod warmup compiles all of them)"
+            "(viscorod warmup compiles all of them)",
+            extra={"compiles": True},
         )
         compile_aside()
 

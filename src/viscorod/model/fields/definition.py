@@ -81,7 +81,7 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
     Constructor arguments may be given by position, in the order of the fields, or by name.
     """
 
-    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True)
+    model_config = ConfigDict(frozen=True, extra="forbid", arbitrary_types_allowed=True, defer_build=True)
 
     #: The field with the kind of an object in a case file (``shape`` or ``kind``); always written out.
     tag: ClassVar[str | None] = None

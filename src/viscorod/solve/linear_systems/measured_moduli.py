@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
-from scipy.interpolate import PchipInterpolator
+import scipy  # its parts are imported when they are asked for
 
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.complex_moduli import ComplexModuli
@@ -46,12 +47,12 @@ class TableModulus:
         self._storage = self._interpolated(table.storage)
         self._loss = self._interpolated(table.loss)
 
-    def _interpolated(self, values: Floats) -> tuple[bool, PchipInterpolator | float]:
+    def _interpolated(self, values: Floats) -> tuple[bool, Any]:
         logarithmic = bool((values > 0.0).all())
         given = np.log(values) if logarithmic else values
         if len(values) == 1:
             return logarithmic, float(given[0])
-        return logarithmic, PchipInterpolator(np.log(self.omega), given, extrapolate=True)
+        return logarithmic, scipy.interpolate.PchipInterpolator(np.log(self.omega), given, extrapolate=True)
 
     @property
     def band(self) -> tuple[float, float]:

@@ -5,8 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy.integrate import quad
-from scipy.spatial.transform import Rotation
+import scipy  # its parts are imported when they are asked for
 
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.nodes.motion_loads import ANSWERED, LAWS, PYTHON, ROW
@@ -56,7 +55,7 @@ class LawCallbacks:
         stretch = value - rest
         if callable(stiffness):
             # in full: no warnings where the interval is so small that rounding decides
-            part = quad(
+            part = scipy.integrate.quad(
                 lambda x: law_value(stiffness, x), self._stretch[law], stretch, limit=200, full_output=1
             )[0]
             self._energy[law] += part
@@ -113,7 +112,7 @@ class MotionLaws:
         h = STEP * max(1.0, float(np.abs(r).max()))
         sides = []
         for way in (h, -h):
-            turned = R @ Rotation.from_rotvec(way * unit[3:]).as_matrix()
+            turned = R @ scipy.spatial.transform.Rotation.from_rotvec(way * unit[3:]).as_matrix()
             sides.append(np.asarray(law.wrench(r + R @ (way * unit[:3]), turned, twist)))
         return (sides[0] - sides[1]) / (2.0 * h)
 

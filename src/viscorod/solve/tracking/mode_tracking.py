@@ -13,8 +13,8 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 import numpy as np
+import scipy  # its parts are imported when they are asked for
 from scipy import sparse
-from scipy.optimize import linear_sum_assignment
 
 from viscorod.errors import SolveError
 from viscorod.solve.statics.newton import interruption
@@ -244,7 +244,7 @@ class Tracker:
         resting = np.abs(found.roots) <= STILL * np.abs(last.roots).max()
         cost += resting | self.family.idle(parameter, found.roots)  # whatever their shapes are like
         conjugate = cost[1] < cost[0]
-        rows, columns = linear_sum_assignment(cost.min(axis=0))
+        rows, columns = scipy.optimize.linear_sum_assignment(cost.min(axis=0))
         chosen = columns[np.argsort(rows)]
         chosen = self._growing(found, chosen, likeness)
         turned = conjugate[np.arange(len(chosen)), chosen] & (found.roots[chosen].imag != 0.0)

@@ -12,7 +12,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are imported when they are asked for
 
 from viscorod.errors import SolveError
 from viscorod.solve.tracking.mode_tracking import STILL, Sample, Tracker, alike
@@ -122,7 +122,9 @@ def solved(function: Callable[[float], float], low: float, high: float) -> tuple
 
     size = max(abs(low), abs(high))
     found = float(
-        brentq(seen, low, high, xtol=PRECISION * size, rtol=4.0 * np.finfo(float).eps, maxiter=ROUNDS)
+        scipy.optimize.brentq(
+            seen, low, high, xtol=PRECISION * size, rtol=4.0 * np.finfo(float).eps, maxiter=ROUNDS
+        )
     )
     others = sorted(known, key=lambda x: abs(abs(x - found) - 1e-4 * size))
     beside = next(x for x in others if x != found)

@@ -6,7 +6,7 @@ from collections.abc import Callable
 from typing import NamedTuple, Protocol
 
 import numpy as np
-from scipy.optimize import brentq
+import scipy  # its parts are imported when they are asked for
 
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.history import Snapshot
@@ -81,7 +81,7 @@ class CrossingMonitor:
                 return b
             return self.quantity(integrator.between(np.array([part])).states.at(0))
 
-        return right if b == 0.0 else float(brentq(value, left, right, xtol=ACCURACY))
+        return right if b == 0.0 else float(scipy.optimize.brentq(value, left, right, xtol=ACCURACY))
 
 
 class LastingMonitor:

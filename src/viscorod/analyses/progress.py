@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
-from viscorod.cli.command_kind import quiet
+from viscorod.cli.compilation_line import end_compilation_line
 from viscorod.solve.settings.course import Course
 
 Progress: TypeAlias = Callable[[float, float], None]
@@ -19,9 +19,9 @@ _LINES = 5  # lines over a whole run where there is no terminal
 
 
 @contextmanager
-def reporting(course: Course) -> Iterator[Progress]:
+def reporting(course: Course, *, shown: bool = True) -> Iterator[Progress]:
     """Show progress along what grows during an analysis: time, load factor, frequency or speed."""
-    if quiet():
+    if not shown:
         yield _nothing
     elif sys.stderr.isatty():
         with _bar(course) as progress:
@@ -31,9 +31,9 @@ def reporting(course: Course) -> Iterator[Progress]:
 
 
 @contextmanager
-def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
+def counting(total: int, noun: str, *, shown: bool = True) -> Iterator[Callable[[float], None]]:
     """Show how many of ``total`` things are done, fractions included; ``noun`` names them."""
-    if quiet():
+    if not shown:
         yield _nothing
         return
     if sys.stderr.isatty():
@@ -50,16 +50,16 @@ def counting(total: int, noun: str) -> Iterator[Callable[[float], None]]:
             task = bar.add_task("", total=total, whole=0)
             yield lambda done: bar.update(task, completed=done, whole=_whole(done))
         return
-    shown = 0
+    told = 0
     first: tuple[float, float] | None = None  # when, and what was done before
 
     def update(done: float) -> None:
-        nonlocal shown, first
+        nonlocal told, first
         now = time.monotonic()
         first = first or (now, done)
         part = int(_LINES * done / total * (1.0 + 1e-9))
-        if part > shown:
-            shown = part
+        if part > told:
+            told = part
             began, start = first
             state = f"{_whole(done)} of {total} {noun}"
             if done > start and now > began:
@@ -92,19 +92,24 @@ def _bar(course: Course) -> Iterator[Progress]:
         TimeRemainingColumn(),
         TextColumn("left"),
     )
-    with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-        total = None if course.end is None else 1.0
-        task = bar.add_task("", total=total, step=0.0, reached=course.start)
-        last = 0.0
+    bar = Progress(*columns, console=Console(stderr=True), transient=True)
+    task = bar.add_task("", total=None if course.end is None else 1.0, step=0.0, reached=course.start)
+    last = 0.0
 
-        def update(reached: float, step: float) -> None:
-            nonlocal last
-            now = time.monotonic()
-            if now - last > _REFRESH or course.part(reached) >= 1.0:
-                last = now
-                bar.update(task, completed=course.part(reached), step=step, reached=reached)
+    def update(reached: float, step: float) -> None:
+        nonlocal last
+        now = time.monotonic()
+        if not last:  # until now kernels may have been compiled, which has a line of its own
+            end_compilation_line()
+            bar.start()
+        if now - last > _REFRESH or course.part(reached) >= 1.0:
+            last = now
+            bar.update(task, completed=course.part(reached), step=step, reached=reached)
 
+    try:
         yield update
+    finally:
+        bar.stop()
 
 
 def _lines(course: Course) -> Progress:
