@@ -1,6 +1,7 @@
 """Sphinx configuration."""
 
 import os
+import re
 import sys
 from importlib.metadata import version as installed_version
 from pathlib import Path
@@ -45,6 +46,8 @@ copybutton_prompt_text = "$ "  # what a shell prints is not copied
 
 html_theme = "furo"
 html_title = "viscorod"
+html_static_path = ["_static"]
+html_css_files = ["pages.css"]
 
 
 def described_arguments(app, what, name, obj, options, signature, returns):
@@ -70,6 +73,15 @@ def skip_plumbing(app, what, name, obj, skip, options):
     return True if name in ("model_config", "renamed", "tag", "unused") else None
 
 
+def places_are_no_addresses(app, what, name, obj, options, lines):
+    """Keep docutils from taking a place such as beam@0.15 for an address of e-mail."""
+    for number, line in enumerate(lines):
+        parts = re.split(r"(`+.*?`+)", line)  # text and code by turns
+        parts[::2] = [re.sub(r"(\w)@(\d)", r"\1\\@\2", part) for part in parts[::2]]
+        lines[number] = "".join(parts)
+
+
 def setup(app):
     app.connect("autodoc-process-signature", described_arguments)
+    app.connect("autodoc-process-docstring", places_are_no_addresses)
     app.connect("autodoc-skip-member", skip_plumbing)

@@ -19,6 +19,8 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.limits import MOST_CHOSEN
+from viscorod.units import is_quantity, si_quantity, si_value
+from viscorod.wording import RefusedError
 
 __all__ = [
     "KINDS",
@@ -77,9 +79,29 @@ def file_path(name: str, value: Any) -> Path:
     return Path(given)
 
 
+UNITS = {"time": "s", "times": "s", "duration": "s", "s": "m", "rest": "m"}
+"""Names of arguments whose numbers may have a unit, and the one that they are in."""
+
+
+def _in_si(name: str, value: Any) -> Any:
+    """Return a quantity, a text such as "3 ms" or an object of a library of units, in SI; anything else as it is."""
+    if isinstance(value, list | tuple) and any(isinstance(item, str) or is_quantity(item) for item in value):
+        return [_in_si(name, item) for item in value]
+    if name not in UNITS or not (isinstance(value, str) or is_quantity(value)):
+        return value
+    try:
+        return (
+            si_value(value, UNITS[name], name)
+            if isinstance(value, str)
+            else si_quantity(value, UNITS[name], name)
+        )
+    except RefusedError as error:
+        raise _refused(name, value, error.why, error.instead) from None
+
+
 def number(name: str, value: Any) -> float:
     """Return a finite number."""
-    found = _number(value)
+    found = _number(_in_si(name, value))
     if found is None:
         raise _refused(name, value, "a finite number is needed here", "give a plain number such as 0.25")
     return found
@@ -99,6 +121,7 @@ def _number(value: Any) -> float | None:
 
 def numbers(name: str, value: Any) -> Any:
     """Return a finite number, or a list of them, as it was given."""
+    value = _in_si(name, value)
     items = np.asarray(value).tolist() if hasattr(value, "__array__") else value
     if isinstance(items, str | bytes) or not isinstance(items, Sequence):
         return number(name, items)

@@ -300,6 +300,40 @@ def test_responses_change_as_differences_say():
         _ = found.residues
 
 
+def test_small_periodic_motions_change_as_responses_do():
+    """An independent formulation: the dynamic stiffness at one frequency is the limit of small amplitudes."""
+    model = bar(elements=2)
+    model.clamp("beam.start")
+    given = {"inputs": "beam.end fz", "outputs": ["beam.end uz"]}
+    keys = [E, TAU]
+    linear = model.frequency_response(**given, frequencies=[12.0], derivatives=keys)
+    span = {"frequencies": [12.0, 13.0], "points": 2, "harmonics": 3, "stability": False}
+    found = model.periodic(**given, **span, amplitudes=[1e-6], derivatives=keys)
+    for key in keys:
+        wanted = linear.derivatives[key].values[0, 0, 0]
+        mine = found.derivatives[key].of(lambda motions: motions.harmonics(0))[0, 1] / 1e-6
+        assert abs(mine - wanted) < 1e-5 * abs(wanted)
+        assert np.abs(found.derivatives[key].frequencies).max() == 0.0
+    with pytest.raises(InputError, match="free vibrations"):
+        model.periodic(mode=1, largest=1e-3, outputs=["beam.end uz"], derivatives=keys)
+
+
+def test_a_motion_knows_no_unit_of_mass():
+    """Dimensional analysis: E, density, mass and force by one factor leave positions, and multiply energies by it."""
+    model = assembly()
+    keys = [E, "materials.rubber.density", "bodies.tip.mass", "loads[1].value[1]", "joints[0].stiffness.rz"]
+    keys += ["joints[0].damping.rz", *(f"bodies.tip.inertia[{k}]" for k in range(3))]
+    run = model.simulate(0.01, output_interval=0.005, derivatives=keys)
+    changes = [run.derivatives[key] for key in keys]
+    for function, power in (
+        (lambda run: run.data.position.values, 0.0),
+        (lambda run: run.data.elastic.values, 1.0),
+    ):
+        total = sum(one.value * one.of(function) for one in changes)
+        scale = max(np.abs(one.value * one.of(function)).max() for one in changes)
+        np.testing.assert_allclose(total, power * function(run), atol=1e-6 * scale)
+
+
 def test_a_steady_rotation_stretches_as_its_spin_and_modulus_say():
     """Closed form: u'' = -rho omega^2 x/E of a stiff bar from the axis on, u(L) = rho omega^2 L^3/(3 E)."""
     model = vr.Model()

@@ -205,7 +205,7 @@ def test_straight_column_under_a_pulsating_force_doubles_its_period_as_mathieu_s
         (None, "no motion was found there"),
     ):
         monkeypatch.setattr(analysis, "multipliers_with_more_harmonics", lambda *_, better=better: better)
-        record = analysis._Record(SimpleNamespace(fourier=SimpleNamespace(harmonics=3)), None)
+        record = analysis.Record(SimpleNamespace(fourier=SimpleNamespace(harmonics=3)), None)
         setting = SimpleNamespace(omega=2.0 * np.pi * hertz)
         point = SimpleNamespace(
             orbit=None,

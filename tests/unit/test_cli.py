@@ -15,9 +15,9 @@ import viscorod.analyses.check
 import viscorod.analyses.discrete
 import viscorod.casefile.case
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.analyses.progress import reporting
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli.app import app
-from viscorod.cli.progress import reporting
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.validity import Condition, Validity
 from viscorod.solve.settings.course import Course

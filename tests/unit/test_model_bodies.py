@@ -6,6 +6,7 @@ import re
 import numpy as np
 import pytest
 
+import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.model.bodies.body import Body, one_body
 from viscorod.model.bodies.body_shapes import Box, Cylinder, Sphere
@@ -163,7 +164,9 @@ def test_places_on_bodies(model):
     ],
 )
 def test_places_that_are_none(model, at, text):
-    model.force(at, (1, 0, 0))
+    with pytest.raises(InputError, match=rf"Force\.at: .*{re.escape(text)}"):
+        model.force(at, (1, 0, 0))
+    model.loads.append(vr.Force(at, (1, 0, 0)))
     only_problem(model, "loads[0].at", text)
     with pytest.raises(InputError):
         model.position_of(at)
@@ -171,7 +174,9 @@ def test_places_that_are_none(model, at, text):
 
 def test_a_point_of_a_body_without_points(model):
     model.add("lump", Body(1.0, (1, 1, 1)))
-    model.clamp("lump.tip")
+    with pytest.raises(InputError, match=r"Clamp\.at: .*name it in the points of lump"):
+        model.clamp("lump.tip")
+    model.supports.append(vr.Clamp("lump.tip"))
     only_problem(model, "supports[0].at", "name it in the points of lump")
 
 
@@ -234,21 +239,25 @@ def test_supports_of_one_rigid_piece(model):
 @pytest.mark.parametrize(
     "load",
     [
-        lambda model: model.distributed_force("plate", (0, 0, 1)),
-        lambda model: model.distributed_moment("plate", (0, 0, 1)),
-        lambda model: model.moving_force("plate", (0, 0, 1), speed=1.0),
+        vr.DistributedForce("plate", (0, 0, 1)),
+        vr.DistributedMoment("plate", (0, 0, 1)),
+        vr.MovingForce("plate", (0, 0, 1), speed=1.0),
     ],
 )
 def test_loads_along_rods_only(model, load):
-    load(model)
+    model.loads.append(load)
     only_problem(model, "loads[0].rod", "acts along a rod", "a force or moment at 'plate'", "arm")
 
 
 def test_wrong_velocities_and_strains_of_bodies(model):
     model.velocity("plate", field=lambda s: ((0, 0, 0), (0, 0, 0)))
     model.velocity("plate")
-    model.velocity("plat")
-    model.strain("plate", (0,) * 6)
+    with pytest.raises(InputError, match=r"InitialVelocity\.rod: 'plat'.*did you mean 'plate'"):
+        model.velocity("plat")
+    with pytest.raises(InputError, match=r"InitialStrain\.rod: 'plate'.*a rod is needed here"):
+        model.strain("plate", (0,) * 6)
+    model.velocities.append(vr.InitialVelocity("plat"))
+    model.strains.append(vr.InitialStrain("plate", (0,) * 6))
     found = {problem.where: str(problem) for problem in problems(model)}
     assert set(found) == {"velocities[0].field", "velocities[1].rod", "velocities[2].rod", "strains[0].rod"}
     assert "the body has its initial velocity already" in found["velocities[1].rod"]

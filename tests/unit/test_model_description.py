@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.model.actions.time_function import Ramp
 from viscorod.model.connections.place import Place
@@ -136,25 +137,36 @@ def test_names_of_rods(model):
 
 
 def test_a_load_on_a_place_that_does_not_exist(model):
-    model.force("amr.end", (1, 0, 0))
+    with pytest.raises(InputError, match=r"Force\.at: 'amr': .*did you mean 'arm'\?"):
+        model.force("amr.end", (1, 0, 0))
+    assert not model.loads
+    model.loads.append(vr.Force("amr.end", (1, 0, 0)))
     only_problem(model, "loads[0].at", "'amr'", "did you mean 'arm'?", "arm, leg")
 
 
 def test_a_station_beyond_the_end(model):
-    model.moment("arm@2.5", (1, 0, 0))
+    with pytest.raises(InputError, match=r"Moment\.at: .*only 2 m long"):
+        model.moment("arm@2.5", (1, 0, 0))
+    model.loads.append(vr.Moment("arm@2.5", (1, 0, 0)))
     only_problem(model, "loads[0].at", "only 2 m long", "0 to 2")
 
 
 def test_a_support_on_a_rod_that_does_not_exist(model):
-    model.pin("legs.end")
+    with pytest.raises(InputError, match=r"Pin\.at: .*did you mean 'leg'\?"):
+        model.pin("legs.end")
+    model.supports.append(vr.Pin("legs.end"))
     only_problem(model, "supports[0].at", "did you mean 'leg'?")
 
 
 def test_distributed_loads_need_their_rod_and_their_span(model):
-    model.distributed_force("am", (1, 0, 0))
-    model.distributed_force("arm", (1, 0, 0), to_s=2.5)
-    model.distributed_force("arm", lambda s: (1, 0))
-    model.moving_force("legg", (1, 0, 0), speed=1.0)
+    with pytest.raises(InputError, match=r"DistributedForce\.to_s"):
+        model.distributed_force("arm", (1, 0, 0), to_s=2.5)
+    model.loads += [
+        vr.DistributedForce("am", (1, 0, 0)),
+        vr.DistributedForce("arm", (1, 0, 0), to_s=2.5),
+        vr.DistributedForce("arm", lambda s: (1, 0)),
+        vr.MovingForce("legg", (1, 0, 0), speed=1.0),
+    ]
     paths = [problem.where for problem in problems(model)]
     assert paths == ["loads[0].rod", "loads[1].to_s", "loads[2].value", "loads[3].rod"]
 
@@ -230,16 +242,16 @@ def test_one_initial_velocity_for_each_rod(model):
     model.velocity("leg", field=lambda s: (np.zeros(3), np.zeros(3)))
     model.validate()
     model.velocity("arm")
-    model.velocity("amr")
+    model.velocities.append(vr.InitialVelocity("amr"))
     first, second = problems(model)
     assert (first.where, second.where) == ("velocities[2].rod", "velocities[3].rod")
     assert "velocities[0]" in first.why
 
 
 def test_everything_that_is_wrong_is_told_at_once(model):
-    model.clamp("x.start")
-    model.force("y.end", (1, 0, 0))
-    model.velocity("z")
+    model.supports.append(vr.Clamp("x.start"))
+    model.loads.append(vr.Force("y.end", (1, 0, 0)))
+    model.velocities.append(vr.InitialVelocity("z"))
     with pytest.raises(InputError, match="3 problems") as caught:
         model.validate()
     assert str(caught.value).count("\n  - ") == 3

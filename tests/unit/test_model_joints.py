@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.model.actions.time_function import Ramp, Sine, Until
 from viscorod.model.bodies.body import Body
@@ -216,7 +217,10 @@ def test_refused(build, path, text):
 
 
 def test_joints_between_what_does_not_exist(model):
-    model.ball("amr.end", "plate.cornr")
+    with pytest.raises(InputError, match=r"Ball\.a: 'amr'") as caught:
+        model.ball("amr.end", "plate.cornr")
+    assert len(caught.value.problems) == 2
+    model.joints.append(vr.Ball("amr.end", "plate.cornr"))
     first, second = problems(model)
     assert (first.where, second.where) == ("joints[0].a", "joints[0].b")
     assert "did you mean 'arm'? the rods are arm, leg; the bodies are plate" in str(first)

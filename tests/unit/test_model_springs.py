@@ -5,6 +5,7 @@ import re
 import numpy as np
 import pytest
 
+import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.model.bodies.body import Body
 from viscorod.model.connections.place import BodyPlace, Place
@@ -124,7 +125,9 @@ def test_refused(build, path, text):
 
 
 def test_springs_between_what_does_not_exist(model):
-    model.line_spring("arm.end", "palte", 1.0)
+    with pytest.raises(InputError, match=r"LineSpring\.to: 'palte'.*did you mean 'plate'"):
+        model.line_spring("arm.end", "palte", 1.0)
+    model.springs.append(vr.LineSpring("arm.end", "palte", 1.0))
     only_problem(model, "springs[0].to", "did you mean 'plate'")
 
 

@@ -6,7 +6,7 @@ from types import SimpleNamespace
 
 import pytest
 
-from viscorod.cli import progress
+from viscorod.analyses import progress
 from viscorod.solve.settings.course import Course
 
 

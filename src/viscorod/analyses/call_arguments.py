@@ -9,7 +9,8 @@ from __future__ import annotations
 import functools
 import inspect
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
@@ -104,7 +105,7 @@ def _stop(name: str, value: Any) -> Any:
 
 
 def _progress(name: str, value: Any) -> Any:
-    if value is not None:
+    if value is not None and not isinstance(value, bool):
         require_callback(name, value, 0.0, 0.0)
     return value
 
@@ -156,9 +157,9 @@ class Watched(Titled):
 class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
-    progress: Annotated[Progress | None, _kept("progress", "a function", _progress)] = Key(
-        "called after every step with the time [s], load factor, frequency [Hz], speed [rad/s] or amplitude that was "
-        "reached, and the step",
+    progress: Annotated[Progress | bool | None, _kept("progress", "True or a function", _progress)] = Key(
+        "True shows how far it is; a function is called after every step with the time [s], load factor, frequency "
+        "[Hz], speed [rad/s] or amplitude that was reached, and the step",
         default=None,
         kw_only=True,
     )
@@ -220,7 +221,7 @@ class CoSimulationArguments(CoSimulationSettings, Titled):
     """Arguments of ``Model.co_simulation``."""
 
 
-class PeriodicArguments(PeriodicSettings, Progressing):
+class PeriodicArguments(PeriodicSettings, Progressing, Differentiated):
     """Arguments of ``Model.periodic``."""
 
 
@@ -256,7 +257,7 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
                 prefix = f"{kind.__name__}."
                 faults = [replace(fault, where=fault.where.removeprefix(prefix)) for fault in error.problems]
                 raise InputError(faults) from None
-            with one_blas_thread():
+            with one_blas_thread(), _shown(call) as call:
                 return function(self, call)
 
         documented: Any = method
@@ -265,6 +266,19 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
         return method
 
     return decorate
+
+
+@contextmanager
+def _shown(call: Any) -> Iterator[Any]:
+    """Yield arguments whose progress is shown, if that was asked for by True."""
+    wanted = getattr(call, "progress", None)
+    if not isinstance(wanted, bool):
+        yield call
+        return
+    from viscorod.analyses.progress import reporting
+
+    with reporting(call.course) if wanted else nullcontext() as progress:
+        yield call.model_copy(update={"progress": progress})
 
 
 def _signature(kind: type[Definition]) -> inspect.Signature:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import NamedTuple
 
@@ -17,7 +18,9 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show, some_of
 from viscorod.model.rod import Rod
 from viscorod.results.damping_validity import QUICK
+from viscorod.results.text_table import listed, table
 from viscorod.results.validity import SLENDER, SMALL_STRAIN, Condition, Validity, unknown_width
+from viscorod.shown import Shown, counted
 from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
@@ -43,8 +46,8 @@ STATIC_ONLY = (
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
 
 
-@dataclass(frozen=True)
-class CheckReport:
+@dataclass(frozen=True, repr=False)
+class CheckReport(Shown):
     """The model in tables.
 
     Attributes:
@@ -87,6 +90,41 @@ class CheckReport:
     materials: list[dict[str, object]] = field(default_factory=list)
     assumptions: list[str] = field(default_factory=list)
     validity: Validity = field(default_factory=lambda: Validity(()))
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.rods), "rod")
+        yield counted(self.unknowns, "unknown")
+        if len(self.frequencies):
+            yield f"slowest mode {self.frequencies[0]:.4g} Hz ({self.mode_names[0]})"
+        if self.rigid_motions:
+            yield counted(len(self.rigid_motions), "rigid motion")
+        yield counted(len(self.warnings), "warning") if self.warnings else "no warnings"
+
+    def __str__(self) -> str:
+        """Return the main tables; ``viscorod check`` prints all of them."""
+        modes = [
+            [f"{number}: {name}", f"{frequency:.6g}", f"{ratio:.4g}"]
+            for number, (name, frequency, ratio) in enumerate(
+                zip(self.mode_names, self.frequencies, self.damping_ratios, strict=True), 1
+            )
+        ]
+        keys = list(self.rods[0])
+        rods = [[_cell(row[key]) for key in keys] for row in self.rods]
+        blocks = [
+            table("Rods", keys, rods),
+            table("First modes about the reference shape", ["mode", "frequency [Hz]", "damping ratio"], modes)
+            if modes
+            else "",
+            listed("Rigid motions", self.rigid_motions) if self.rigid_motions else "",
+            str(self.validity),
+            listed("Assumptions about damping", self.assumptions) if self.assumptions else "",
+            listed("Warnings", self.warnings) if self.warnings else "No warnings",
+        ]
+        return "\n\n".join(block for block in blocks if block)
+
+
+def _cell(value: object) -> str:
+    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> CheckReport:

@@ -38,7 +38,7 @@ def ensemble(
     folder: str | Path | None = None,
     members: slice | None = None,
     errors: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Ensemble:
     """Compute a case many times with uncertain values: quantiles of its quantities, and what their spread is due to.
 

@@ -97,7 +97,9 @@ def with_input_loads(
     if faults:
         raise InputError(faults)
     parts: dict[str, Any] = model.parts() | {"loads": [*model.loads, *loads]}
-    return type(model).of(**parts)
+    found = type(model).of(**parts)
+    found.materials, found.sections = model.materials, model.sections  # by whose names derivatives are taken
+    return found
 
 
 def linear_about(

@@ -7,7 +7,6 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Callable, Sequence
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import (
@@ -25,15 +24,11 @@ from viscorod.analyses.call_arguments import (
     SteadyArguments,
     takes,
 )
-from viscorod.checks import checked
+from viscorod.analyses.inspected import Inspected
 from viscorod.errors import Fault, InputError
-from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.theories import TheorySettings
 
 if TYPE_CHECKING:
-    from matplotlib.axes import Axes
-    from matplotlib.figure import Figure
-
     from viscorod.analyses.co_simulation import CoSimulation
     from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
     from viscorod.results.buckling import Buckling
@@ -49,11 +44,11 @@ if TYPE_CHECKING:
 
 __all__ = ["Model"]
 
-DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_response")
+DIFFERENTIATED = ("simulate", "equilibrium", "modes", "steady", "frequency_response", "periodic")
 """Analyses whose results have derivatives."""
 
 
-class Model(ModelDescription):
+class Model(Inspected):
     """Rods, supports and loads (see :class:`ModelDescription`), and what can be computed of them."""
 
     @takes(EquilibriumArguments)
@@ -287,7 +282,6 @@ class Model(ModelDescription):
             from viscorod.analyses.derivatives.differentiate import with_derivatives
             from viscorod.analyses.derivatives.responses import response_derivatives
 
-            model.materials, model.sections = self.materials, self.sections
             with_derivatives(response_derivatives, model, discrete, call, found)
         return found
 
@@ -315,8 +309,15 @@ class Model(ModelDescription):
         from viscorod.analyses.periodic import periodic
         from viscorod.analyses.refinement import refined_periodic
 
-        discrete = DiscreteModel.of(with_input_loads(self, call), call, call.options)
-        return refined_periodic(periodic, discrete, call)
+        driven = with_input_loads(self, call)
+        discrete = DiscreteModel.of(driven, call, call.options)
+        found = refined_periodic(periodic, discrete, call)
+        if call.derivatives:
+            from viscorod.analyses.derivatives.differentiate import with_derivatives
+            from viscorod.analyses.derivatives.orbits import orbit_derivatives
+
+            with_derivatives(orbit_derivatives, driven, discrete, call, found)
+        return found
 
     @takes(BucklingArguments)
     def buckling(self, call: BucklingArguments) -> Buckling:
@@ -377,26 +378,6 @@ class Model(ModelDescription):
         from viscorod.analyses.stability import stability
 
         return stability(DiscreteModel.of(self, call, call.options), call)
-
-    @checked
-    def draw(self, path: str | Path | None = None, title: str = "", *, ax: Axes | None = None) -> Figure:
-        """Draw the model in its reference shape: rods, bodies, joints, springs, supports and loads.
-
-        Args:
-            path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
-            title: above the picture.
-            ax: axes of yours to draw into.
-
-        Returns:
-            The figure; a notebook shows it.
-
-        Raises:
-            InputError: the model is inconsistent, or the picture cannot be written.
-        """
-        from viscorod.pictures.drawing.model_drawing import draw_assembly
-        from viscorod.pictures.picture import delivered
-
-        return delivered(draw_assembly(self, title, ax), path)
 
     def with_known_times(self) -> Model:
         """Return the model with the times of its materials known: those from a mode (`MeasuredDamping`) are found.

@@ -19,7 +19,7 @@ from viscorod.typing import Floats
 
 __all__ = ["MotionUnknowns", "motion_unknowns"]
 
-GROWN = float(np.log(100.0))
+GROWN = float(np.log(1e4))
 """Exponent of growth out of the plane from which on it is told."""
 MOST = 36.0
 """From which on rounding would become a motion, in space."""

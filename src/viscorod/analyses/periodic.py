@@ -30,7 +30,7 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["periodic"]
+__all__ = ["Record", "data_set", "periodic"]
 
 FINE = 2.0 * np.pi * np.arange(200) / 200
 """Phases [rad] at which the extremes of an output are sought."""
@@ -45,8 +45,7 @@ TAIL = 1e-4
 def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
     """Follow periodic motions; see ``Model.periodic``."""
     discrete.require_independent()
-    model, problem = discrete.model, discrete.problem
-    before, base = settings.about == "equilibrium", State.reference(problem)
+    before, base = settings.about == "equilibrium", State.reference(discrete.problem)
     find_initial_equilibrium(discrete, base, before=before)
     linear = linearise(discrete.static, base, before=before)
     if linear.rigid:
@@ -54,31 +53,21 @@ def periodic(discrete: DiscreteModel, settings: PeriodicSettings) -> Periodic:
             f"no periodic motion: nothing holds the model against {', '.join(linear.texts)}, so it has no place to "
             "swing about; add supports or springs"
         )
-    signals = settings.inputs or ()
-    drive = Drive.of(
-        problem,
-        discrete.supports,
-        discrete.system.constraints,
-        signals,
-        np.array(settings.amplitudes or ()),
-        np.array(settings.phases or np.zeros(len(signals))),
-        len(model.loads) - sum(isinstance(one, LoadInput) for one in signals),
-    )
-    balance = OrbitBalance(discrete.system, base, drive, Fourier(settings.harmonics), before=before)
-    outputs = OrbitOutputs(balance, discrete.static, placed_outputs(discrete, settings))
-    record = _Record(balance, outputs)
+    record = Record.of(discrete, settings, base)
     try:
         follow = _forced if settings.mode is None else _free
         reached = follow(discrete, settings, record)
     except SolveError as error:
         if not record.points:
             raise
-        part = Periodic(_data_set(discrete, settings, record, "stopped"))
+        part = Periodic(data_set(discrete, settings, record, "stopped"))
         raise SolveError(f"{error}; {len(record.points)} motions before are in run", part) from None
-    return Periodic(_data_set(discrete, settings, record, "completed" if reached else "points"))
+    found = Periodic(data_set(discrete, settings, record, "completed" if reached else "points"))
+    found.orbits = record.orbits
+    return found
 
 
-def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) -> bool:
+def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: Record) -> bool:
     """Follow forced motions; return whether the curve left its range."""
     turn, balance = 2.0 * np.pi, record.balance
     if settings.frequencies is not None:
@@ -106,7 +95,7 @@ def _forced(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record
     return last is not first and last.value in (parameter.start, parameter.end)
 
 
-def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) -> bool:
+def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: Record) -> bool:
     """Follow the free vibrations of a mode; return whether they reached their amplitude.
 
     Raises:
@@ -144,13 +133,35 @@ def _free(discrete: DiscreteModel, settings: PeriodicSettings, record: _Record) 
     return size >= 0.999 * settings.largest
 
 
-class _Record:
-    """What is kept of every motion."""
+class Record:
+    """What is kept of every motion.
+
+    Attributes:
+        points: numbers of the result; orbits: with their settings; notes: what is not sure.
+    """
 
     def __init__(self, balance: OrbitBalance, outputs: OrbitOutputs) -> None:
         self.balance, self.outputs = balance, outputs
         self.points: list[dict[str, Any]] = []
+        self.orbits: list[tuple[Orbit, Setting]] = []
         self.notes: list[str] = []
+
+    @classmethod
+    def of(cls, discrete: DiscreteModel, settings: PeriodicSettings, base: State) -> Record:
+        """Return what records motions of a model about the state ``base``."""
+        signals = settings.inputs or ()
+        drive = Drive.of(
+            discrete.problem,
+            discrete.supports,
+            discrete.system.constraints,
+            signals,
+            np.array(settings.amplitudes or ()),
+            np.array(settings.phases or np.zeros(len(signals))),
+            len(discrete.model.loads) - sum(isinstance(one, LoadInput) for one in signals),
+        )
+        before, fourier = settings.about == "equilibrium", Fourier(settings.harmonics)
+        balance = OrbitBalance(discrete.system, base, drive, fourier, before=before)
+        return cls(balance, OrbitOutputs(balance, discrete.static, placed_outputs(discrete, settings)))
 
     def check(self, point: OrbitPoint) -> None:
         """Compare the multipliers at a bifurcation with those of twice the harmonics; note where they differ."""
@@ -173,6 +184,7 @@ class _Record:
     ) -> None:
         """Keep a motion."""
         balance, setting = self.balance, motion.setting
+        self.orbits.append((orbit, setting))
         fourier, period = balance.fourier, 2.0 * np.pi / setting.omega
         if multipliers is None:
             multipliers = np.zeros(0, dtype=complex)
@@ -210,9 +222,7 @@ class _Record:
         return np.array([point[name] for point in self.points])
 
 
-def _data_set(
-    discrete: DiscreteModel, settings: PeriodicSettings, record: _Record, outcome: str
-) -> xr.Dataset:
+def data_set(discrete: DiscreteModel, settings: PeriodicSettings, record: Record, outcome: str) -> xr.Dataset:
     """Return the data set of periodic motions."""
     import xarray as xr
 
@@ -271,7 +281,7 @@ def _filled(values: np.ndarray) -> np.ndarray:
     return values if inputs else np.zeros((points, 1, *others), dtype=complex)
 
 
-def _notes(settings: PeriodicSettings, record: _Record, outcome: str) -> list[str]:
+def _notes(settings: PeriodicSettings, record: Record, outcome: str) -> list[str]:
     """Return what is uncertain, in sentences."""
     found = list(record.notes)
     tail = float(np.nan_to_num(record.all("tail")).max())

@@ -7,7 +7,7 @@ import pickle
 import signal
 import threading
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, nullcontext
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,6 +15,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from viscorod.analyses.case_run import discretised_case, run_case
+from viscorod.analyses.progress import counting
 from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
@@ -59,7 +60,7 @@ def sweep(
     folder: str | Path | None = None,
     members: slice | None = None,
     errors: int | None = None,
-    progress: Progress | None = None,
+    progress: Progress | bool | None = None,
 ) -> Sweep:
     """Compute a case many times, each time with other values, and return a table of named numbers.
 
@@ -88,7 +89,7 @@ def sweep(
         errors: for how many members, evenly chosen, the errors of mesh and steps are estimated. It changes no other
             number and takes half the time of short motions or more; by default for 64 at most, for all where whole
             results are kept. A member whose mesh the program chooses has it in any case.
-        progress: called with the number of members done, fractions included.
+        progress: called with the number of members done, fractions included; True shows it.
 
     Returns:
         The members in the order of their values; ``table()`` has their numbers.
@@ -100,7 +101,7 @@ def sweep(
     """
     if not isinstance(case, Case):
         case = load_case(case)
-    if progress is not None:
+    if progress is not None and not isinstance(progress, bool):
         require_callback("progress", progress, 0.0)
     rows = rows_of(values, grid, constants)
     count = processes_of(executor, workers)
@@ -131,11 +132,12 @@ def sweep(
         return again
 
     def told(done: float) -> None:
-        if progress is not None:
-            progress(len(rows) - len(due) + done)
+        if shown is not None:
+            shown(len(rows) - len(due) + done)
 
     broken = ""
-    with _stopping() as stop, little_garbage():
+    showing = counting(len(rows), "members") if progress is True else nullcontext(progress or None)
+    with _stopping() as stop, little_garbage(), showing as shown:
         if not due:
             told(0.0)
         elif count is None:

@@ -31,7 +31,7 @@ def animate(
 ) -> None:
     """Make a film of a motion."""
     with readable_errors():
-        from viscorod.cli.progress import counting
+        from viscorod.analyses.progress import counting
         from viscorod.pictures.animation import Pace, write_film
 
         run = motion(result, "a film")

@@ -40,8 +40,8 @@ def buckling(
     """
     with readable_errors():
         from viscorod.analyses.case_run import as_model
+        from viscorod.analyses.progress import reporting
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import reporting
         from viscorod.solve.settings.buckling import BucklingSettings
 
         loaded = load_case(existing(case))

@@ -53,8 +53,8 @@ def ensemble(
     """Compute a case with uncertain values: print quantiles and Sobol' indices, write data and pictures."""
     with readable_errors():
         from viscorod.analyses.ensemble import ensemble as compute
+        from viscorod.analyses.progress import counting
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import counting
         from viscorod.errors import InputError
         from viscorod.results.files.folder_lock import locked
 

@@ -12,6 +12,7 @@ from viscorod.errors import Fault, InputError
 if TYPE_CHECKING:
     from viscorod.casefile.case import Case
     from viscorod.model.rod import Rod
+    from viscorod.results.any_result import AnyResult
     from viscorod.results.buckling import Buckling
     from viscorod.results.modes_result import Modes
     from viscorod.results.run import Equilibrium, Run
@@ -104,7 +105,7 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
     from viscorod.results.result import Result
     from viscorod.results.sweep_result import Sweep
 
-    found = load(path)
+    found: AnyResult | Sweep = load(path)
     if isinstance(found, Sweep):
         raise InputError(
             Fault(

@@ -28,7 +28,7 @@ def stability(case: CaseFile, output: ResultFolder = None) -> None:
 def _follow(kind: str, path: Path, output: Path | None) -> None:
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.followed_modes import FollowedModes
 
         case = case_for(kind, path)

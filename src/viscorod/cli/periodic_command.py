@@ -23,7 +23,7 @@ def periodic(case: CaseFile, output: ResultFolder = None) -> None:
     """Follow the periodic motions of a case with a table [periodic]: a report, data, a table and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.periodic import Periodic
 
         loaded = case_for("periodic", case)

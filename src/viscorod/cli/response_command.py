@@ -19,7 +19,7 @@ def response(case: CaseFile, output: ResultFolder = None) -> None:
     """Compute the frequency response of a case with a table [response]: a report, data and pictures."""
     with readable_errors():
         from viscorod.analyses.case_run import discretised_case, run_case
-        from viscorod.cli.progress import reporting
+        from viscorod.analyses.progress import reporting
         from viscorod.results.frequency_response import FrequencyResponse
 
         loaded = case_for("response", case)

@@ -112,7 +112,7 @@ def _compute(
 ) -> None:
     """Run a case whose model has been discretised; without that, go on with the run that was stopped in the folder."""
     from viscorod.analyses.case_run import run_case
-    from viscorod.cli.progress import reporting
+    from viscorod.analyses.progress import reporting
     from viscorod.results.files.folder_lock import claimed
     from viscorod.results.files.journal import FOLDER
     from viscorod.results.files.journal import empty as remove

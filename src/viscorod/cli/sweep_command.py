@@ -116,10 +116,10 @@ def sweep(
 ) -> None:
     """Compute a case with many values: print a table, write data."""
     with readable_errors():
+        from viscorod.analyses.progress import counting
         from viscorod.analyses.sweep import sweep as compute
         from viscorod.analyses.sweeps.rows import rows_of
         from viscorod.casefile.case import load_case
-        from viscorod.cli.progress import counting
         from viscorod.results.files.folder_lock import locked
 
         loaded = load_case(existing(case))

@@ -9,8 +9,8 @@ __all__ = ["warmup"]
 
 def warmup() -> None:
     """Compile all kernels now, so that later runs start at once."""
+    from viscorod.analyses.progress import counting
     from viscorod.analyses.warmup import kernels, warm_up
-    from viscorod.cli.progress import counting
 
     count = len(kernels())
     if count == 0:

@@ -85,11 +85,16 @@ class Decrement(WellNamed, Shown):
         return -np.diff(np.log(self.amplitude))
 
     @property
-    def damping_ratio(self) -> Floats:
+    def damping_ratios(self) -> Floats:
         """``zeta`` from ``delta = 2 pi zeta / sqrt(1 - zeta^2)`` of each cycle, shape (n - 1,)."""
         delta = self.log_decrement
         ratio: Floats = delta / np.sqrt(4.0 * np.pi**2 + delta**2)
         return ratio
+
+    @property
+    def damping_ratio(self) -> Floats:
+        """The same as ``damping_ratios``, by its name of version 0.1."""
+        return self.damping_ratios
 
     @property
     def regular(self) -> bool:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -79,6 +79,8 @@ class Periodic(StatelessResult):
     kind: ClassVar[str] = "periodic"
     picture: ClassVar[str] = "amplitude"
     what: ClassVar[str] = "curve of periodic motions"
+    orbits: Sequence[Any] = ()
+    """Of a result that has just been computed: what its motions were found as."""
 
     @classmethod
     def variables(cls) -> Variables:

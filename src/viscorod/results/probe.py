@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import difflib
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -19,7 +20,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.result import Result
+    from viscorod.results.result import Quantity, Result
     from viscorod.results.run import Run
 
 Places = str | int | Sequence[str | int]
@@ -32,7 +33,7 @@ FIELDS = ("strain", "section_force", "dissipation")
 def probed(
     result: Result,
     places: Places,
-    s: Sequence[float] | Floats | None = None,
+    s: Sequence[float] | Floats | float | None = None,
     instants: Instants | None = None,
 ) -> xr.Dataset:
     """Return the fields of a result at places, in stored states or at instants; see ``Result`` and ``Run.probe``."""
@@ -79,6 +80,52 @@ def probed(
     )
 
 
+def of_quantity(found: xr.Dataset, quantity: str | None) -> xr.Dataset:
+    """Return the fields at places, or one of them alone.
+
+    Raises:
+        InputError: it is not there.
+    """
+    if quantity is None:
+        return found
+    if quantity not in found:
+        near = difflib.get_close_matches(quantity, list(map(str, found)), n=1)
+        hint = f"did you mean {near[0]!r}? It" if near else "it"
+        at = str(found["place"].values[0])
+        raise InputError(
+            f"quantity = {quantity!r} is not there at {at}; {hint} can be {', '.join(map(str, found))}"
+        )
+    return found[[quantity]]
+
+
+def history_of(
+    result: Result,
+    places: Places,
+    quantity: Quantity,
+    s: Any = None,
+    instants: Instants | None = None,
+) -> xr.DataArray:
+    """Return one field at a place, or at several, over the states of a result or at instants."""
+    import xarray as xr
+
+    stored = quantity in ("position", "displacement") or (quantity == "velocity" and quantity in result.data)
+    if isinstance(places, str | int) and s is None and instants is None and stored:
+        site = result.sites.at(places)
+        name = "velocity" if quantity == "velocity" else "position"
+        return xr.DataArray(
+            result.vector(site, quantity),
+            dims=(result.dimension, "axis"),
+            coords={result.dimension: result.data[result.dimension], "axis": list(AXES)},
+            name=quantity,
+            attrs={"units": result.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
+        )
+    found = of_quantity(probed(result, places, s, instants), quantity)[quantity]
+    label = ", ".join(map(str, found["place"].values[:3]))
+    if isinstance(places, str | int) and (s is None or np.ndim(s) == 0):
+        found = found.isel(place=0).drop_vars(["place", "rod", "s"], errors="ignore")
+    return found.assign_attrs(long_name=f"{quantity.replace('_', ' ')} of {label}")
+
+
 def instants_of(run: Run, times: Any) -> Instants:
     """Return times [s] located among the states of a run.
 
@@ -113,7 +160,7 @@ def _about(name: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-def _sites(result: Result, places: Places, s: Sequence[float] | Floats | None) -> list[ResultPlace]:
+def _sites(result: Result, places: Places, s: Sequence[float] | Floats | float | None) -> list[ResultPlace]:
     if s is not None:
         if not isinstance(places, str) or places not in result.sites.rods:
             raise InputError(

@@ -33,7 +33,18 @@ if TYPE_CHECKING:
     from viscorod.results.validity import Validity
     from viscorod.solve.stress.recorded_rods import RecordedRods
 
-Quantity: TypeAlias = Literal["position", "displacement", "velocity"]
+Quantity: TypeAlias = Literal[
+    "position",
+    "displacement",
+    "rotation",
+    "frame",
+    "velocity",
+    "angular_velocity",
+    "strain",
+    "section_force",
+    "dissipation",
+]
+"""What ``probe`` and ``history`` have, and a table of histories."""
 
 
 class Result(WellNamed, Shown, ABC):
@@ -111,32 +122,32 @@ class Result(WellNamed, Shown, ABC):
         return warnings_of(self)
 
     @checked
-    def history(self, place: str | int, quantity: Quantity = "position") -> xr.DataArray:
-        """Return how a vector at a place changes, in global axes.
+    def history(
+        self,
+        places: Places,
+        quantity: Quantity = "position",
+        *,
+        s: Sequence[float] | Floats | float | None = None,
+    ) -> xr.DataArray:
+        """Return how a quantity at a place, or at several, changes; see ``probe``, which returns all of them.
 
         Args:
-            place: "beam.end", "beam@0.15" (arc length in m), "plate" (mass centre of a body), "plate.corner" (its named
-                point) or the number of a station.
-            quantity: "position" [m], "displacement" from the reference shape [m] or "velocity" [m/s].
+            places: "beam.end", "beam@0.15" (arc length in m), "plate" (mass centre of a body), "plate.corner" (its
+                named point), the number of a station, or a list of these; with ``s`` the name of a rod.
+            quantity: "position" [m], "displacement" from the reference shape [m], "velocity" [m/s] and whatever else
+                ``probe`` has.
+            s: arc lengths on that rod [m].
 
         Returns:
-            Array ``(time, axis)``, or ``(load_factor, axis)`` for an equilibrium.
+            Array ``(time, axis)``, or ``(load_factor, axis)`` for an equilibrium; of several places ``(time, place,
+            axis)``.
 
         Raises:
             InputError: no such place or quantity.
         """
-        import xarray as xr
+        from viscorod.results.probe import history_of
 
-        site = self.sites.at(place)
-        values = self.vector(site, quantity)
-        name = "velocity" if quantity == "velocity" else "position"
-        return xr.DataArray(
-            values,
-            dims=(self.dimension, "axis"),
-            coords={self.dimension: self.data[self.dimension], "axis": list(AXES)},
-            name=quantity,
-            attrs={"units": self.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
-        )
+        return history_of(self, places, quantity, s)
 
     @checked
     def joint(self, name: str) -> xr.Dataset:
@@ -227,7 +238,13 @@ class Result(WellNamed, Shown, ABC):
         return values - reference.values if quantity == "displacement" else values
 
     @checked
-    def probe(self, places: Places, *, s: Sequence[float] | Floats | None = None) -> xr.Dataset:
+    def probe(
+        self,
+        places: Places,
+        *,
+        s: Sequence[float] | Floats | float | None = None,
+        quantity: Quantity | None = None,
+    ) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.
 
         Positions and frames are those of the element between its nodes. Strains, section forces and dissipation are
@@ -240,6 +257,7 @@ class Result(WellNamed, Shown, ABC):
             places: "beam.end", "beam@0.15", "plate", "plate.corner", the number of a station, or a list of these; with
                 ``s`` the name of a rod.
             s: arc lengths on that rod [m].
+            quantity: the only one that is wanted.
 
         Returns:
             A data set over ``time`` (or ``load_factor``, ``spin``) and ``place`` with ``position``, ``displacement``
@@ -249,11 +267,11 @@ class Result(WellNamed, Shown, ABC):
             axes. On bodies only the motion.
 
         Raises:
-            InputError: no such place, or places on rods and on bodies in one call.
+            InputError: no such place or quantity, or places on rods and on bodies in one call.
         """
-        from viscorod.results.probe import probed
+        from viscorod.results.probe import of_quantity, probed
 
-        return probed(self, places, s)
+        return of_quantity(probed(self, places, s), quantity)
 
     @checked
     def stress(self, place: str | int, points: Any = None) -> xr.Dataset:

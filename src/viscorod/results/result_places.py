@@ -12,6 +12,8 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.mechanics.rotations.quaternion import mean
 from viscorod.typing import Floats, Integers
+from viscorod.units import si_value
+from viscorod.wording import RefusedError
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,6 +51,14 @@ class ResultPlace:
     def rotation(self, quaternions: Floats) -> Floats:
         """Return the unit quaternion here of the orientations ``(station, 4)``."""
         return mean(quaternions[self.stations], self.weights)
+
+
+def _in_metres(place: str, text: str) -> float:
+    """Return an arc length such as "150 mm" [m]."""
+    try:
+        return si_value(text, "m", place)
+    except RefusedError as error:
+        raise InputError(f"{place!r}: {text!r} is not an arc length ({error.why}); {error.instead}") from None
 
 
 class ResultPlaces:
@@ -131,9 +141,7 @@ class ResultPlaces:
         try:
             s = float(match["s"])
         except ValueError:
-            raise InputError(
-                f"{place!r}: {match['s']!r} is not an arc length; write a number of metres"
-            ) from None
+            s = _in_metres(place, match["s"])
         return self.along(rod, s)
 
     def along(self, rod: str, s: float) -> ResultPlace:

@@ -18,7 +18,7 @@ from viscorod.results.data_schema import AXES
 from viscorod.results.decrement import Decrement, decrement
 from viscorod.results.energy import Energy
 from viscorod.results.extremes import resting_value
-from viscorod.results.result import Result
+from viscorod.results.result import Quantity, Result
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run_pictures import RunPictures
 from viscorod.results.step_error import step_errors
@@ -176,7 +176,8 @@ class Run(RunPictures):
         places: Places,
         times: float | Sequence[float] | Floats | None = None,
         *,
-        s: Sequence[float] | Floats | None = None,
+        s: Sequence[float] | Floats | float | None = None,
+        quantity: Quantity | None = None,
     ) -> xr.Dataset:
         """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
 
@@ -192,16 +193,40 @@ class Run(RunPictures):
                 ``s`` the name of a rod.
             times: times of the run [s]; without them all stored ones.
             s: arc lengths on that rod [m].
+            quantity: the only one that is wanted.
 
         Returns:
             A data set over ``time`` and ``place``, see ``Result.probe``.
 
         Raises:
-            InputError: no such place, a time outside the run, or places on rods and on bodies in one call.
+            InputError: no such place or quantity, a time outside the run, or places on rods and on bodies in one call.
         """
-        from viscorod.results.probe import instants_of, probed
+        from viscorod.results.probe import instants_of, of_quantity, probed
 
-        return probed(self, places, s, None if times is None else instants_of(self, times))
+        found = probed(self, places, s, None if times is None else instants_of(self, times))
+        return of_quantity(found, quantity)
+
+    @checked
+    def history(
+        self,
+        places: Places,
+        quantity: Quantity = "position",
+        times: float | Sequence[float] | Floats | None = None,
+        *,
+        s: Sequence[float] | Floats | float | None = None,
+    ) -> xr.DataArray:
+        """Return how a quantity at a place, or at several, changes; see ``Result.history``.
+
+        Args:
+            places, quantity, s: see there.
+            times: times of the run [s]; without them all stored ones. What is between is said in ``probe``.
+
+        Raises:
+            InputError: no such place or quantity, or a time outside the run.
+        """
+        from viscorod.results.probe import history_of, instants_of
+
+        return history_of(self, places, quantity, s, None if times is None else instants_of(self, times))
 
     @checked
     def stress(

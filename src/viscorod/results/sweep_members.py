@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequenc
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
+from typing import TYPE_CHECKING, Any, TypeAlias, overload
 
 import numpy as np
 
@@ -54,7 +54,8 @@ class SweepRun:
     def result(self) -> AnyResult | None:
         """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
         if isinstance(self.stored, Path):
-            return cast("AnyResult", load(self.stored))  # a member is no sweep
+            found: AnyResult = load(self.stored)  # a member is no sweep
+            return found
         return self.stored
 
     @property

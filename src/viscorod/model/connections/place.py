@@ -17,6 +17,7 @@ from viscorod.model.fields.forms import TEXT
 from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import word
 from viscorod.model.rod import Rod
+from viscorod.units import si_value
 
 __all__ = [
     "GROUND",
@@ -97,12 +98,11 @@ def end_text(value: Any) -> str:
 
 
 def _station(text: str) -> float:
-    if not re.fullmatch(r"[0-9.eE+-]+", text):
-        raise RefusedError("what follows @ is not a number", _ADVICE)
     try:
-        s = float(text)
-    except ValueError:
-        raise RefusedError("what follows @ is not a number", _ADVICE) from None
+        s = float(text) if re.fullmatch(r"[0-9.eE+-]+", text) else si_value(text, "m", "an arc length")
+    except ValueError as error:
+        found = f" ({error.why})" if isinstance(error, RefusedError) else ""
+        raise RefusedError(f"what follows @ is not a number{found}", _ADVICE) from None
     if not 0.0 <= s < float("inf"):
         raise RefusedError("a station is a finite arc length >= 0", _ADVICE)
     return s

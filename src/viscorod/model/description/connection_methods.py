@@ -12,6 +12,7 @@ from viscorod.model.connections.place import GROUND
 from viscorod.model.connections.rigid_attachment import Attachment
 from viscorod.model.connections.spring import AnySpring, LineSpring, Spring
 from viscorod.model.connections.spring_laws import Law, Laws, Rest
+from viscorod.model.description.given_places import placed
 from viscorod.model.fields.arguments import Motion, Vector, given
 
 __all__ = ["Joined"]
@@ -36,41 +37,41 @@ class Joined:
 
     def attach(self, a: str, b: str) -> None:
         """Join two coinciding places, or a place of a rod and a body, into one rigid node; see `Attachment`."""
-        self.attachments.append(Attachment(a, b))
+        self.attachments.append(placed(self, Attachment(a, b)))
 
     def joint(self, kind: str, a: str, b: str, **fields: Any) -> None:
         """Join two places, or a place and the "ground", by a joint of any kind, with its fields by name."""
         made = joint({"kind": kind, "a": a, "b": b, **fields})
         assert isinstance(made, AnyJoint)
-        self.joints.append(made)
+        self.joints.append(placed(self, made))
 
     def rigid(self, a: str, b: str, *, name: str | None = None) -> None:
         """Hold all relative motions; see `Rigid`."""
-        self.joints.append(Rigid(**given(a=a, b=b, name=name)))
+        self.joints.append(placed(self, Rigid(**given(a=a, b=b, name=name))))
 
     def ball(self, a: str, b: str, *, axes: Sequence[Vector] | None = None, **acting: Unpack[Acting]) -> None:
         """Allow rotation about any axis through a point; see `Ball`."""
-        self.joints.append(Ball(**given(a=a, b=b, axes=axes, **acting)))
+        self.joints.append(placed(self, Ball(**given(a=a, b=b, axes=axes, **acting))))
 
     def revolute(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Allow rotation about an axis; see `Revolute`."""
-        self.joints.append(Revolute(**given(a=a, b=b, axis=axis, **acting)))
+        self.joints.append(placed(self, Revolute(**given(a=a, b=b, axis=axis, **acting))))
 
     def universal(self, a: str, b: str, axes: Sequence[Vector], **acting: Unpack[Acting]) -> None:
         """Allow rotation about two perpendicular directions; see `Universal`."""
-        self.joints.append(Universal(**given(a=a, b=b, axes=axes, **acting)))
+        self.joints.append(placed(self, Universal(**given(a=a, b=b, axes=axes, **acting))))
 
     def cylindrical(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Allow rotation about an axis and sliding along it; see `Cylindrical`."""
-        self.joints.append(Cylindrical(**given(a=a, b=b, axis=axis, **acting)))
+        self.joints.append(placed(self, Cylindrical(**given(a=a, b=b, axis=axis, **acting))))
 
     def prismatic(self, a: str, b: str, axis: Vector, **acting: Unpack[Acting]) -> None:
         """Allow sliding along an axis; see `Prismatic`."""
-        self.joints.append(Prismatic(**given(a=a, b=b, axis=axis, **acting)))
+        self.joints.append(placed(self, Prismatic(**given(a=a, b=b, axis=axis, **acting))))
 
     def planar(self, a: str, b: str, normal: Vector, **acting: Unpack[Acting]) -> None:
         """Allow sliding and rotation in a plane; see `Planar`."""
-        self.joints.append(Planar(**given(a=a, b=b, normal=normal, **acting)))
+        self.joints.append(placed(self, Planar(**given(a=a, b=b, normal=normal, **acting))))
 
     def spring(
         self,
@@ -85,7 +86,7 @@ class Joined:
     ) -> None:
         """Pull a place towards another, or towards its reference position, along some motions; see `Spring`."""
         laws = {"stiffness": stiffness, "damping": damping, "rest": rest}
-        self.springs.append(Spring(**given(at=at, to=to, axes=axes, name=name, **laws)))
+        self.springs.append(placed(self, Spring(**given(at=at, to=to, axes=axes, name=name, **laws))))
 
     def line_spring(
         self,
@@ -99,4 +100,4 @@ class Joined:
     ) -> None:
         """Join a place to another, or to a fixed point, by a spring along the line between; see `LineSpring`."""
         laws = {"stiffness": stiffness, "damping": damping, "length": length}
-        self.springs.append(LineSpring(**given(at=at, to=to, name=name, **laws)))
+        self.springs.append(placed(self, LineSpring(**given(at=at, to=to, name=name, **laws))))

@@ -11,6 +11,7 @@ from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.connections import joint_checks, support_checks
 from viscorod.model.connections.place import GROUND, Place, find_rod, no_part
 from viscorod.model.connections.resolved_places import find
+from viscorod.model.description.given_places import misplaced
 from viscorod.model.fields.definition import RefusedError, path_text, show
 
 if TYPE_CHECKING:
@@ -62,26 +63,11 @@ def require_inertia(model: ModelDescription) -> None:
 
 
 def _unknown_places(model: ModelDescription) -> Iterator[Fault]:
-    named = [(("supports", index, "at"), support.at) for index, support in enumerate(model.supports)]
-    for index, load in enumerate(model.loads):
-        for error in load.misfits(model):
-            where = path_text(("loads", index, *error.at))
-            yield Fault(where, error.found or "", error.why, error.instead)
-    for index, attachment in enumerate(model.attachments):
-        named += [(("attachments", index, "a"), attachment.a), (("attachments", index, "b"), attachment.b)]
-    for index, joint in enumerate(model.joints):
-        named += [(("joints", index, "a"), joint.a), (("joints", index, "b"), joint.b)]
-    for index, spring in enumerate(model.springs):
-        named += [
-            (("springs", index, key), text) for key, text in zip(("at", "to"), spring.ends, strict=True)
-        ]
-    for path, text in named:
-        if text == GROUND:
-            continue
-        try:
-            find(model, text)
-        except RefusedError as error:
-            yield Fault(path_text(path), error.found or show(text), error.why, error.instead)
+    for key in ("supports", "loads", "attachments", "joints", "springs"):
+        for index, part in enumerate(getattr(model, key)):
+            for error in misplaced(model, part):
+                where = path_text((key, index, *error.at))
+                yield Fault(where, error.found or "", error.why, error.instead)
 
 
 def _wrong_velocities(model: ModelDescription) -> Iterator[Fault]:

@@ -14,6 +14,7 @@ from viscorod.model.actions.load import (
     Moment,
     MovingForce,
 )
+from viscorod.model.description.given_places import placed
 from viscorod.model.fields.arguments import Time, Vector, given
 
 __all__ = ["Loaded"]
@@ -36,7 +37,10 @@ class Loaded:
     ) -> None:
         """Load a place with a force, N; see `Force`."""
         self.loads.append(
-            Force(**given(at=at, value=value, following=following, time=time, until=until, name=name))
+            placed(
+                self,
+                Force(**given(at=at, value=value, following=following, time=time, until=until, name=name)),
+            )
         )
 
     def moment(
@@ -51,7 +55,10 @@ class Loaded:
     ) -> None:
         """Load a place with a moment, N m; see `Moment`."""
         self.loads.append(
-            Moment(**given(at=at, value=value, following=following, time=time, until=until, name=name))
+            placed(
+                self,
+                Moment(**given(at=at, value=value, following=following, time=time, until=until, name=name)),
+            )
         )
 
     def distributed_force(
@@ -77,7 +84,7 @@ class Loaded:
             to_s=to_s,
             name=name,
         )
-        self.loads.append(DistributedForce(**span))
+        self.loads.append(placed(self, DistributedForce(**span)))
 
     def distributed_moment(
         self,
@@ -102,7 +109,7 @@ class Loaded:
             to_s=to_s,
             name=name,
         )
-        self.loads.append(DistributedMoment(**span))
+        self.loads.append(placed(self, DistributedMoment(**span)))
 
     def gravity(
         self,
@@ -113,7 +120,9 @@ class Loaded:
         name: str | None = None,
     ) -> None:
         """Add the weight of all rods and bodies; see `Gravity`."""
-        self.loads.append(Gravity(**given(acceleration=acceleration, time=time, until=until, name=name)))
+        self.loads.append(
+            placed(self, Gravity(**given(acceleration=acceleration, time=time, until=until, name=name)))
+        )
 
     def moving_force(
         self,
@@ -131,7 +140,9 @@ class Loaded:
         """Load a rod with a force that travels along it; see `MovingForce`."""
         travel = given(rod=rod, value=value, speed=speed, position=position, start=start)
         self.loads.append(
-            MovingForce(**travel, **given(following=following, time=time, until=until, name=name))
+            placed(
+                self, MovingForce(**travel, **given(following=following, time=time, until=until, name=name))
+            )
         )
 
     def drag(
@@ -157,4 +168,4 @@ class Loaded:
         quadratic = given(coefficient_across=coefficient_across, coefficient_along=coefficient_along)
         medium = given(density=density, width=width, velocity=velocity)
         span = given(rod=rod, time=time, until=until, from_s=from_s, to_s=to_s, name=name)
-        self.loads.append(Drag(**span, **linear, **quadratic, **medium))
+        self.loads.append(placed(self, Drag(**span, **linear, **quadratic, **medium)))

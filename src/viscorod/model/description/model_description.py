@@ -19,6 +19,7 @@ from viscorod.model.connections.spring import AnySpring, ResolvedSpring
 from viscorod.model.connections.support_base import AnySupport, ResolvedSupport
 from viscorod.model.description import consistency as checks
 from viscorod.model.description.connection_methods import Joined
+from viscorod.model.description.given_places import known_rod
 from viscorod.model.description.load_methods import Loaded
 from viscorod.model.description.own_parts import OwnParts
 from viscorod.model.description.support_methods import Held
@@ -114,12 +115,16 @@ class ModelDescription(OwnParts, Held, Loaded, Joined):
         fields = given(rod=rod, field=field) | former
         if field is None or any(any(vector) for vector in (linear, angular, point)):
             fields |= {"linear": linear, "angular": angular} | ({} if "about" in former else {"point": point})
-        self.velocities.append(InitialVelocity(**fields))
+        made = InitialVelocity(**fields)
+        known_rod(self, made.rod, "InitialVelocity", or_body=True)
+        self.velocities.append(made)
 
     def strain(self, rod: str, value: Sequence[float] | Callable[[float], Sequence[float]]) -> None:
         """Give a rod an initial strain; see `InitialStrain`."""
         fields: dict[str, Any] = {"value": value}
-        self.strains.append(InitialStrain(rod, **fields))
+        made = InitialStrain(rod, **fields)
+        known_rod(self, made.rod, "InitialStrain")
+        self.strains.append(made)
 
     def rest_strain(
         self,
@@ -138,7 +143,9 @@ class ModelDescription(OwnParts, Held, Loaded, Joined):
         """Give a rod the strain at which it is free of stress, in time; see `RestStrain`."""
         fields = given(value=value, time=time, stations=stations, values=values)
         fields |= given(temperature=temperature, gradient=gradient)
-        self.rest_strains.append(RestStrain(rod, **fields))
+        made = RestStrain(rod, **fields)
+        known_rod(self, made.rod, "RestStrain")
+        self.rest_strains.append(made)
 
     def validate(self) -> None:
         """Check that the parts fit together.

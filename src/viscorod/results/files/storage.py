@@ -6,7 +6,7 @@ import io
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar, overload
 
 import numpy as np
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from viscorod.results.any_result import AnyResult
     from viscorod.results.sweep_result import Sweep
 
+
+R = TypeVar("R")
 
 LARGE = 2.5e8
 """Bytes from which on a file is not read into memory."""
@@ -193,8 +195,16 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     return data
 
 
+@overload
+def load(path: str | Path) -> Any: ...
+
+
+@overload
+def load(path: str | Path, expected: type[R]) -> R: ...
+
+
 @checked
-def load(path: str | Path) -> AnyResult | Sweep:
+def load(path: str | Path, expected: type[R] | None = None) -> Any:
     """Open a saved result: of a motion, an equilibrium, a steady rotation, modes, a response, a sweep, and all others.
 
     It answers everything that a fresh one does.
@@ -202,10 +212,21 @@ def load(path: str | Path) -> AnyResult | Sweep:
     Args:
         path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run or of a
             sweep. While that has not ended, the folder gives the states or members so far.
+        expected: class of the result, such as ``viscorod.Run``; anything else is refused, and type checkers know it.
 
     Raises:
-        InputError: no such file, or not a result of viscorod.
+        InputError: no such file, not a result of viscorod, or one of another kind.
     """
+    found = _opened(path)
+    if expected is not None and not isinstance(found, expected):
+        raise InputError(
+            f"{path} holds a {type(found).__name__} and no {getattr(expected, '__name__', expected)}"
+        )
+    return found
+
+
+def _opened(path: str | Path) -> AnyResult | Sweep:
+    """Return the result in a file or folder, whatever it is."""
     if (Path(path) / "sweep.json").is_file():
         from viscorod.results.files.sweep_folder import SweepFolder
 

@@ -49,7 +49,7 @@ class MirrorPlane(NamedTuple):
         size = np.abs(self.normal)
         if size.max() == 1.0:
             return "xyz"[int(size.argmax())]
-        return "(" + ", ".join(f"{x:.4g}" for x in self.normal) + ")"
+        return "(" + ", ".join(f"{x:.4g}" for x in np.round(self.normal, 12) + 0.0) + ")"
 
     def equations(self, problem: Problem) -> Integers:
         """Return the equations of motions in the plane, by their numbers among all ``(n, 3)``.

@@ -12,10 +12,10 @@ from collections.abc import Callable, Sequence
 
 import numpy as np
 from scipy import sparse
+from scipy.linalg.lapack import dpbtrf
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
-from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.problem.mirror_plane import MirrorPlane
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
@@ -23,8 +23,8 @@ from viscorod.typing import Floats
 
 __all__ = ["growth_out_of_plane"]
 
-FULL = 240
-"""Number of motions out of the plane up to which full matrices are factorised."""
+MOST = 3e7
+"""Products that a factorisation of a band may take; those of wider ones are sparse."""
 LEAST = 1.0
 """Exponent by which a motion that lasts would have to grow to be looked at."""
 HALVINGS = 4
@@ -69,63 +69,80 @@ def _rate(faster: Callable[[float], bool], least: float) -> float:
 
 
 class _SmallMotions:
-    """Small motions out of a plane."""
+    """Small motions out of a plane; displacements are measured in lengths of the model.
+
+    Entries of the blocks of a matrix go to a band, of which the lower half is stored: half of those below the
+    diagonal, and half of their counterparts above it.
+    """
 
     def __init__(self, static: StaticSolver, plane: MirrorPlane) -> None:
         self.static = static
         problem, supports, pattern = static.system.problem, static.supports, static.system.matrix.pattern
         self.rows = rows = np.setdiff1d(supports.free_rows(), plane.equations(problem))
         self.unit = np.where(rows % 6 < 3, problem.length, 1.0)
-        self.small = len(rows) <= FULL
-        if not self.small:
-            return
-        # where the entries of blocks are in the full matrix
         number, within = np.full(6 * problem.size, -1), np.arange(6)
         number[rows] = np.arange(len(rows))
-        row = number[6 * pattern.rows[:, None, None] + within]
-        column = number[6 * pattern.columns[:, None, None] + within[:, None]]
-        row, column = np.broadcast_arrays(row, column)
-        self._entries = np.flatnonzero((row >= 0) & (column >= 0))
-        self._places = (row * len(rows) + column).ravel()[self._entries]
-        self._mass = None if len(supports.partial) else self._inertia(problem.mass).toarray()
-
-    def _inertia(self, mass: Floats) -> sparse.csr_array:
-        scale = sparse.diags_array(self.unit)
-        return sparse.csr_array(scale @ block_diagonal(mass)[self.rows][:, self.rows] @ scale)
+        own = number[6 * pattern.rows[:, None, None] + within]
+        other = number[6 * pattern.columns[:, None, None] + within[:, None]]
+        own, other = (index.ravel() for index in np.broadcast_arrays(own, other))
+        found = (own >= 0) & (other >= 0)
+        self.width = int(np.abs(own - other)[found].max(initial=0))
+        self._halves = []
+        for first, second in ((own, other), (other, own)):
+            entries = np.flatnonzero(found & (first >= second))
+            i, j = first[entries], second[entries]
+            self._halves.append((entries, (i - j) * len(rows) + j, 0.5 * self.unit[i] * self.unit[j]))
 
     def unstable(self, t: float, at: Snapshot) -> Callable[[float], bool]:
         """Return what tells whether they grow faster than at a rate [1/s], at the time ``t`` [s]."""
         system, supports = self.static.system, self.static.supports
         problem, moving = system.problem, at.state
         state = State(moving.r, moving.q, np.zeros_like(moving.twist), moving.multiplier)
-        system.stress.reshape(-1, 6)[system.gauss_indices()] = at.section_force
-        system.assemble(state, self.static.loads.at(t, True, 1.0), None, tangent=True, moving=False)
-        blocks, mass = system.matrix.blocks, problem.mass
+        loads = self.static.loads.at(t, True, 1.0)
+        system.assemble(state, loads, None, tangent=False, moving=False)
+        system.reset_stress()
+        system.assemble(state, loads, None, tangent=True, moving=False)
+        blocks, mass, pattern = system.matrix.blocks, problem.mass, problem.pattern
+        self._add_inertia(system.residual()[: problem.size], blocks)
         if len(supports.partial):
             supports.update(t, True)
             supports.impose(state, system.residual(), system.matrix, tangent=True)
-            mass, starts = mass.copy(), problem.pattern.starts
+            mass = mass.copy()
             for k in supports.partial:
                 node, Z = supports.set.nodes[k], supports.free_directions(int(k), state)
-                column = slice(starts[node], starts[node + 1])
+                column = slice(pattern.starts[node], pattern.starts[node + 1])
                 blocks[column] = Z.T @ blocks[column]
                 mass[node] = Z.T @ mass[node] @ Z
-        if not self.small:
-            K, M = problem.pattern.part(blocks, self.rows, self.unit), self._inertia(mass)
-            none = sparse.csc_array((0, len(self.rows)))  # of the nodes
-            return lambda rate: negative_eigenvalues(Tangent(K + rate**2 * M, none, None)) > 0
-        stiffness = np.zeros((len(self.rows), len(self.rows)))
-        stiffness.reshape(-1)[self._places] = blocks.reshape(-1)[self._entries]
-        stiffness *= 0.5 * np.multiply.outer(self.unit, self.unit)
-        stiffness += stiffness.T.copy()
-        inertia = self._inertia(mass).toarray() if self._mass is None else self._mass
-        return lambda rate: _indefinite(stiffness + rate**2 * inertia)
+        stiffness = blocks.copy()
 
+        def faster(rate: float) -> bool:
+            blocks[:] = stiffness
+            blocks[pattern.diagonal[: problem.size]] += rate**2 * mass  # symmetric
+            return self._indefinite(blocks)
 
-def _indefinite(matrix: Floats) -> bool:
-    """Return whether a symmetric matrix has a negative eigenvalue."""
-    try:
-        np.linalg.cholesky(matrix)
-    except np.linalg.LinAlgError:
-        return True
-    return False
+        return faster
+
+    def _add_inertia(self, unbalanced: Floats, blocks: Floats) -> None:
+        """Subtract the derivative of inertial forces, which keep their directions in space as nodes turn."""
+        supports, diagonal = self.static.supports, self.static.system.problem.pattern.diagonal
+        free = np.setdiff1d(np.arange(len(unbalanced)), supports.set.nodes)
+        slots = diagonal[free]
+        for i, j, k in (
+            (0, 1, 2),
+            (1, 2, 0),
+            (2, 0, 1),
+        ):  # f x theta, of which the component i is f_j t_k - f_k t_j
+            blocks[slots, 3 + k, i] -= unbalanced[free, j]
+            blocks[slots, 3 + j, i] += unbalanced[free, k]
+
+    def _indefinite(self, blocks: Floats) -> bool:
+        """Return whether a matrix, its symmetric part, has a negative eigenvalue."""
+        count = len(self.rows)
+        if count * self.width**2 > MOST:
+            whole = self.static.system.problem.pattern.part(blocks, self.rows, self.unit)
+            none = sparse.csc_array((0, count))  # of the nodes
+            return negative_eigenvalues(Tangent(whole, none, None)) > 0
+        band = np.zeros((self.width + 1) * count)
+        for entries, places, factors in self._halves:
+            band[places] += factors * blocks.reshape(-1)[entries]
+        return bool(dpbtrf(band.reshape(self.width + 1, count), lower=1)[1] != 0)
