@@ -133,9 +133,11 @@ def si_value(text: str, unit: str, key: str) -> float:
 
 def is_quantity(value: Any) -> bool:
     """Say whether a value is a number, or an array, with a unit, as Pint and Astropy have them."""
-    return hasattr(value, "unit" if hasattr(value, "to_value") else "units") and (
-        hasattr(value, "magnitude") or hasattr(value, "to_value")
-    )
+
+    def has(name: str) -> bool:  # hasattr would let objects of the model look for the nearest of their names
+        return hasattr(type(value), name) or name in getattr(value, "__dict__", ())
+
+    return has("unit" if has("to_value") else "units") and (has("magnitude") or has("to_value"))
 
 
 def si_quantity(value: Any, unit: str, key: str) -> Any:

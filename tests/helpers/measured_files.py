@@ -61,3 +61,41 @@ def write_files(folder):
     write_hit(folder / "hit.uff")
     write_sweeps(folder / "sweeps.csv")
     (folder / "beam.toml").write_text(toml_text(content("simulate", duration=1.0)))
+
+
+STRIP = """
+title = "Aluminium strip"
+materials.aluminium = { youngs_modulus = "70 GPa", poissons_ratio = 0.33, density = 2700 }
+bodies.sensor = { shape = "box", sides = [0.01, 0.01, 0.005], centre = [0.3, 0, 0], mass = 0.005 }
+attachments = [{ a = "strip.end", b = "sensor" }]
+supports = [{ kind = "pin", at = "strip.start" }]
+springs = [{ at = "strip.start", stiffness = { rx = 1e6, ry = 1e6, rz = 1e6 } }]
+modes = { count = 2 }
+[rods.strip]
+shape = "straight"
+start = [0, 0, 0]
+end = [0.3, 0, 0]
+d1 = [0, 1, 0]
+section = { shape = "rectangle", width = 0.05, height = 0.002 }
+material = "aluminium"
+elements = 1
+order = 4
+"""
+"""A strip in a vise, which turns a little there, with a sensor at its free end."""
+
+
+def write_lengths(folder, frequencies, sought):
+    """Write the strip and a fit of its two bending frequencies at several free lengths, by length in m."""
+    (folder / "strip.toml").write_text(STRIP)
+    lines = ['case = "strip.toml"', "[parameters]", *(f'"{key}" = {start}' for key, start in sought.items())]
+    for length, hertz in frequencies.items():
+        lines += [
+            "[[records]]",
+            'kind = "modes"',
+            f'name = "{100.0 * length:g} cm"',
+            f'set = {{ "rods.strip.end[0]" = {length}, "bodies.sensor.centre[0]" = {length} }}',
+            f"frequencies = {list(map(float, hertz))}",
+            "modes = [1, 2]",
+        ]
+    (folder / "lengths.toml").write_text("\n".join(lines) + "\n")
+    return folder / "lengths.toml"

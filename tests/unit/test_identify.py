@@ -8,8 +8,11 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.measured_files import STRIP, write_lengths
 from viscorod.analyses.case_run import run_case
-from viscorod.analyses.identification.laws import law_sentences
+from viscorod.analyses.identification.fit_file import load_fit
+from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
+from viscorod.analyses.identification.law_sentences import law_sentences
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
@@ -289,6 +292,73 @@ def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
     assert "Laws on the same data" in fit.report()
 
 
+def test_what_was_left_out_decides_between_laws_of_one_frequency():
+    """One mode has any law; a weight at the tip lowers the ratio of a viscosity with the frequency, not a flat loss."""
+    true = run_case(modes_case(damping=LAWS["flat_loss"]))
+    hertz, ratio = float(true.frequencies[0]), float(true.damping_ratios[0])
+    noise = {"frequency_noise": [1e-3 * hertz], "ratio_noise": [0.02 * ratio]}
+    twice = [vr.ModesRecord([hertz], [ratio], name=name, **noise) for name in ("first", "second")]
+    weight = {"shape": "sphere", "centre": [0.3, 0.0, 0.0], "radius": 0.005, "mass": 0.03}
+    heavy = content({"simulate": {"duration": 12.0, "tolerance": 1e-4}}, 0.002, damping=LAWS["flat_loss"])
+    heavy |= {"bodies": {"weight": weight}, "attachments": [{"a": "beam.end", "b": "weight"}]}
+    heavy = case_from_dict(heavy)
+    times = np.linspace(0.0, 12.0, 150)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": "heavy"}
+    clean = vr.Record(times, np.zeros(150), **about).predicted(run_case(heavy))
+    weighed = vr.Unknown("weight", 0.03, deviation=0.0003, key="bodies.weight.mass")
+    tip = vr.Record(
+        times,
+        clean + 1e-5 * np.random.default_rng(7).normal(size=150),
+        noise=1e-5,
+        unknown=[weighed],
+        **about,
+    )
+    fit = vr.identify(
+        modes_case(),
+        twice,
+        [YOUNG],
+        laws=["kelvin_voigt", "flat_loss"],
+        left_out=[(heavy, tip)],
+        profile=False,
+    )
+    assert [law.name for law in fit.laws] == ["flat_loss", "kelvin_voigt"]
+    assert "materials.rubber.damping.extension" in fit.parameters
+    assert fit.case.content["materials"]["rubber"]["damping"]["kind"] == "loss_factor"
+    flat, viscous = (next(one for one in fit.foretold if one.law == law.name) for law in fit.laws)
+    assert abs(flat.frequency - flat.measured_frequency) < flat.frequency_width
+    by_weight = 0.5 * 1.96 * 0.01 * flat.frequency  # if the weight were all that moves
+    assert 0.6 * by_weight < flat.frequency_width < 1.2 * by_weight
+    assert flat.damping_ratio == pytest.approx(
+        flat.measured_ratio, rel=0.06
+    )  # branches ripple about a flat loss
+    assert viscous.damping_ratio == pytest.approx(ratio * viscous.frequency / hertz, rel=0.03)
+    excluded = [text for text in fit.sentences if text.startswith("Excluded by what was left out")]
+    assert [text.split(":")[1].split(".")[0].strip() for text in excluded] == ["kelvin_voigt"]
+    assert "Records left out, foretold and measured" in fit.report()
+
+
+def test_a_ratio_that_depends_on_the_amplitude_is_not_called_the_materials():
+    """Of two made-up decays one has a ratio that is twice as large at a tenth of the amplitude."""
+    times = np.arange(0.0, 8.0, 0.02)
+
+    def record(name, rise):
+        phase, amplitude, values = 0.0, 1e-2, []
+        for _ in times:
+            values.append(amplitude * np.cos(phase))
+            phase += 2.0 * np.pi * 1.5 * 0.02
+            amplitude *= np.exp(-0.03 * (1.0 + rise * np.exp(-amplitude / 3e-3)) * 2.0 * np.pi * 1.5 * 0.02)
+        noise = 1e-6 * np.random.default_rng(1).normal(size=len(times))
+        return vr.Record(times, values + noise, place="a", quantity="position", direction="x", name=name)
+
+    case = swing()
+    (steady, rising) = swings_of([(case, record("steady", 0.0)), (case, record("rising", 1.0))]).values()
+    assert steady.ends is None
+    (sentence,) = amplitude_sentences({"steady": steady}, {"rising": rising}, "flat_loss")
+    assert sentence.startswith("The damping ratio of rising rises from 0.03")
+    assert "that of steady, which flat_loss was fitted to, does not" in sentence
+    assert "not called the material's" in sentence
+
+
 def test_what_is_not_the_materials_is_said():
     names = ["flat_loss + air_drag", "flat_loss", "kelvin_voigt"]
     merits, errors = np.array([0.0, 25.0, 90.0]), np.array([1.0, 2.0, 4.0])
@@ -376,3 +446,76 @@ def test_content_as_toml_reads_back_as_it_was():
     )
     given["title"] = 'a "quoted" title\n'
     assert tomllib.loads(toml_text(given)) == given
+
+
+def test_what_is_known_of_numbers_goes_into_an_ensemble():
+    """Frequencies go with the root of E: their spread is half of E's; two keys of one number are equal."""
+    fit = vr.identify(modes_case(), ratios_of("kelvin_voigt"), {YOUNG: None, BOTH: 0.01}, profile=False)
+    known, correlation = fit.distributions(), fit.correlation_of_distributions()
+    assert list(known) == [YOUNG, SHEAR, BULK]
+    assert correlation[1, 2] == pytest.approx(1.0)
+    assert known[YOUNG].std() == pytest.approx(fit[YOUNG].standard_error, rel=0.01)
+    with pytest.raises(InputError, match="no draws were made"):
+        _ = fit.posterior
+    found = vr.ensemble(
+        fit.case, known, 8, quantities={"hertz": ("frequency", 1)}, correlation=correlation, workers=1
+    )
+    values = found.data
+    np.testing.assert_allclose(values[SHEAR], values[BULK], rtol=1e-9)
+    hertz = values["hertz"].values
+    relative = np.std(np.log(values[YOUNG].values))
+    assert np.std(np.log(hertz)) == pytest.approx(0.5 * relative, rel=1e-3)
+    assert relative == pytest.approx(fit[YOUNG].standard_error / fit[YOUNG].value, rel=0.3)
+
+
+def test_draws_come_back_from_a_file_as_arviz_takes_them(tmp_path):
+    pytest.importorskip("emcee")
+    fit = vr.identify(
+        modes_case(), ratios_of("kelvin_voigt"), {YOUNG: None, BOTH: 0.01}, profile=False, draws=60
+    )
+    tree = vr.load(fit.save(tmp_path / "fit.nc")).posterior
+    draws = tree["posterior"][YOUNG]
+    assert draws.dims == ("chain", "draw")
+    assert draws.size >= 60
+    assert float(draws.mean()) == pytest.approx(fit[YOUNG].value, abs=fit[YOUNG].standard_error)
+    assert float(draws.std()) == pytest.approx(fit[YOUNG].standard_error, rel=0.5)
+    assert tree["sample_stats"]["lp"].shape == draws.shape
+    assert fit.distributions()[YOUNG].mean() == pytest.approx(float(draws.mean()), rel=1e-3)
+
+
+def lengths(folder, sought, mass=0.005):
+    """Fit the frequencies of a strip of 68 GPa with a sensor at four lengths, 0.3 % noise, by a file."""
+    made = tomllib.loads(STRIP)
+    made["materials"]["aluminium"]["youngs_modulus"] = 68e9
+    made["bodies"]["sensor"]["mass"] = mass
+    rng, found = np.random.default_rng(8), {}
+    for length in (0.3, 0.4, 0.5, 0.6):
+        made["rods"]["strip"]["end"][0] = made["bodies"]["sensor"]["centre"][0] = length
+        found[length] = run_case(case_from_dict(made)).frequencies[:2] * (1.0 + 3e-3 * rng.normal(size=2))
+    plan = load_fit(write_lengths(folder, found, sought))
+    return vr.identify(plan.pairs, parameters=plan.parameters)
+
+
+ALUMINIUM, SENSOR, CLAMP = (
+    "materials.aluminium.youngs_modulus",
+    "bodies.sensor.mass",
+    "springs[0].stiffness.ry",
+)
+
+
+def test_lengths_separate_the_modulus_from_the_mass_of_a_sensor(tmp_path):
+    """A sensor counts more on a short strip, a modulus alike on all lengths."""
+    fit = lengths(tmp_path, {ALUMINIUM: 70e9, SENSOR: 0.005}, mass=0.007)
+    for name, true in ((ALUMINIUM, 68e9), (SENSOR, 0.007)):
+        assert abs(fit[name].value - true) < 4.0 * fit[name].standard_error
+        assert fit[name].told
+    assert fit.correlation[0, 1] > 0.8
+    assert (fit[ALUMINIUM].unit, fit[SENSOR].unit) == ("Pa", "kg")
+
+
+def test_a_clamp_that_is_much_stiffer_than_the_strip_is_not_told(tmp_path):
+    """One that turns 1000 times less than the strip bends: nothing limits it from above."""
+    fit = lengths(tmp_path, {ALUMINIUM: 70e9, CLAMP: 5e3})
+    assert fit[CLAMP].high == np.inf
+    assert any(CLAMP in text for text in fit.sentences)
+    assert fit[ALUMINIUM].told

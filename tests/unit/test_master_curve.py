@@ -24,11 +24,11 @@ def lift(celsius):
     return (celsius + 273.15) / (REFERENCE + 273.15)
 
 
-def sweeps(seed, noise=0.005, lifted=True):
+def sweeps(seed, noise=0.005, lifted=True, temperatures=CELSIUS):
     """What an instrument measures of it at the temperatures."""
     rng = np.random.default_rng(seed)
     found = []
-    for celsius in CELSIUS:
+    for celsius in temperatures:
         omega = 2.0 * np.pi * HERTZ
         modulus = TRUTH.shifted(10.0 ** law(celsius)).complex_modulus(omega) * (
             lift(celsius) if lifted else 1.0
@@ -76,6 +76,26 @@ def test_law_of_wlf_with_intervals(master):
     assert found["off"] < 0.03 < master.laws["arrhenius"]["off"]
     shift = vr.WLF(**{key: value for key, value in master.shift().items() if key != "kind"})
     assert shift.decades(75.0) == pytest.approx(law(75.0), abs=0.03)
+
+
+def test_laws_do_not_depend_on_a_reference_in_the_glass():
+    """Beside a glass no shift is known, beside each other those of the transition are: the law is that of the truth."""
+    found = vr.master_curve(
+        sweeps(3, lifted=False, temperatures=[19.0, 29.0, *CELSIUS]), reference=19.0, vertical=False
+    )
+    assert found.reference == 19.0
+    assert found.data.log_shift_width.values[2:].min() > 3.0
+    shift = found.shift("wlf")
+    about = shift.pop("reference")
+    assert about == 39.0
+    assert any(f"referred to {about:.4g} C" in text for text in found.warnings)
+    wlf = vr.WLF(reference=about, c1=shift["c1"], c2=shift["c2"])
+    for celsius in (53.0, 81.0):
+        assert wlf.decades(celsius) == pytest.approx(law(celsius) - law(about), abs=0.05)
+    rubber = vr.Material(**found.material(67.0, density=1100.0, poissons_ratio=0.45))
+    omega = 2.0 * np.pi * np.array([0.3, 3.0, 10.0])
+    exact = TRUTH.shifted(10.0 ** law(67.0)).complex_modulus(omega)
+    assert np.abs(rubber.relaxation("extension").complex_modulus(omega) / exact - 1.0).max() < 0.06
 
 
 def test_activation_energy():

@@ -79,3 +79,43 @@ def test_what_has_no_modes_is_refused():
         vr.modal_fit(vr.ResponseRecord(hertz, 1.0 + 0.01 * rng.normal(size=99) + 0j))
     with pytest.raises(vr.InputError, match="evenly spaced"):
         vr.modal_fit(vr.ResponseRecord(np.geomspace(1.0, 100.0, 99), np.ones(99, dtype=complex)))
+
+
+def test_the_material_damps_at_most_as_much_as_the_mode_with_the_least_room():
+    """A flat loss factor gives all modes of a uniform beam half of it, the time of Kelvin and Voigt omega tau/2."""
+    found = vr.modal_fit(transformed(1))
+    most = found.damping_ratios + found.data.damping_ratio_width.values
+    flat, viscous = found.material_at_most
+    assert (flat.law, flat.mode, viscous.law, viscous.mode) == ("flat_loss", 3, "kelvin_voigt", 3)
+    assert flat.value == pytest.approx(2.0 * most[2])
+    assert 2.0 * MODES[2][1] < flat.value < 2.0 * MODES[1][1]
+    assert viscous.value == pytest.approx(2.0 * most[2] / (2.0 * np.pi * found.frequencies[2]))
+    assert "a flat loss factor of 0.0006" in found.report()
+
+
+def test_command_for_modes_reads_columns_of_real_and_imaginary_parts(tmp_path):
+    from typer.testing import CliRunner
+
+    from viscorod.cli.app import app
+
+    first, second = transformed(1), transformed(2)
+    columns = [
+        first.frequencies,
+        first.values.real,
+        first.values.imag,
+        second.values.real,
+        second.values.imag,
+    ]
+    head = "f [Hz],re1 [m/s^2/N],im1 [m/s^2/N],re2 [m/s^2/N],im2 [m/s^2/N]"
+    file = tmp_path / "hits.csv"
+    np.savetxt(file, np.column_stack(columns), delimiter=",", header=head, comments="", fmt="%.17g")
+    command = ["damping", "modes", str(file), "--value", "re1,im1", "--value", "4,5", "--band", "10,300"]
+    told = CliRunner().invoke(app, [*command, "-o", str(tmp_path / "out")])
+    assert told.exit_code == 0, told.output
+    expected = vr.modal_fit([first, second], band=(10.0, 300.0))
+    again = vr.load(tmp_path / "out/modes.nc")
+    np.testing.assert_allclose(again.damping_ratios, expected.damping_ratios, rtol=1e-6)
+    assert (tmp_path / "out/modes.png").stat().st_size > 10_000
+    refused = CliRunner().invoke(app, ["damping", "modes", str(file), "--value", "re9"])
+    assert refused.exit_code == 2
+    assert "no column has this name" in refused.output

@@ -1,5 +1,6 @@
 """Sweeps as tables: products of values, named numbers, records on disk, any executor."""
 
+import gc
 import itertools
 import json
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
@@ -16,6 +17,7 @@ import viscorod.analyses.sweep
 from helpers.quantities import ends_its_process_once, scaled_tip, times_tip, tip_at_end
 from helpers.strip import content
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
@@ -525,3 +527,17 @@ def test_members_are_columns():
     assert [member.outcome for member in members] == ["failed", "not run", "not run", "not run"]
     assert members[-1].values == {"x": 4.0}
     assert len(members[1:3]) == 2
+
+
+def test_what_the_search_for_garbage_leaves_out_comes_back():
+    assert gc.get_freeze_count() == 0
+    with little_garbage(), little_garbage():
+        assert gc.get_freeze_count() > 0
+    assert gc.get_freeze_count() == 0
+    gc.freeze()  # as a program may do for itself
+    try:
+        with little_garbage():
+            pass
+        assert gc.get_freeze_count() > 0
+    finally:
+        gc.unfreeze()

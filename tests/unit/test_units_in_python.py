@@ -7,6 +7,8 @@ import pint
 import pytest
 
 import viscorod as vr
+from viscorod.attributes import UnknownAttributeError
+from viscorod.units import is_quantity
 
 UNIT = pint.UnitRegistry()
 
@@ -88,3 +90,16 @@ def test_texts_of_other_kinds_stay():
     """Titles and names may begin with digits."""
     assert vr.Model().modes.__name__ == "modes"
     assert vr.Force("a.end", [0, 0, 1], name="3 apples").name == "3 apples"
+
+
+def test_parts_of_a_model_are_no_quantities(monkeypatch):
+    """Nor are they asked for names that they do not have: they would look for the nearest of theirs each time."""
+
+    def looked_for(*_args, **_given):
+        raise AssertionError
+
+    monkeypatch.setattr(UnknownAttributeError, "of", looked_for)
+    rubber = vr.Material(1e6, poissons_ratio=0.3, density=1000.0)
+    rod = vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber)
+    assert not is_quantity(rod)
+    assert is_quantity(10 * UNIT.mm)

@@ -26,6 +26,7 @@ from viscorod.model.fields.definition import show
 from viscorod.results.identification import Identification
 from viscorod.solve.estimation.intervals import Covariance, Interval, covariance, intervals
 from viscorod.solve.estimation.least_squares import Estimate, Scaled, estimate, searched
+from viscorod.solve.estimation.posterior import drawn
 from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
@@ -73,6 +74,7 @@ def identify(
     seed: int = 0,
     laws: Sequence[str] = (),
     left_out: Pairs = (),
+    draws: int = 0,
     report: Callable[[str], None] | None = None,
 ) -> Identification:
     """Find numbers of cases so that they predict what was measured, with intervals.
@@ -102,8 +104,11 @@ def identify(
         seed: of the further starts.
         laws: of damping that are compared on the same records, in place of that of the case: "elastic",
             "kelvin_voigt", "flat_loss" (a loss factor that does not depend on frequency), "branches 2" (Maxwell
-            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss".
+            branches, 1 to 8), and with these, after a "+", "air_drag" and "clamp_loss"; that of the case is one more
+            where numbers of it are among the parameters. The result is that of the law that comes off best.
         left_out: pairs of cases and records that are not fitted; laws are compared by how they predict them.
+        draws: of the posterior, by Markov chains (the extra ``viscorod[posterior]``), each one evaluation or so; 0 for
+            none.
         report: called with a sentence after every search.
 
     Returns:
@@ -118,9 +123,14 @@ def identify(
         raise InputError(Fault("level", show(level), "it lies between 0 and 1", "give 0.95"))
     if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
         raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
+    if isinstance(draws, bool) or not isinstance(draws, int) or draws < 0:
+        raise InputError(Fault("draws", show(draws), "a whole number of at least 0 is needed", "give 2000"))
     pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
     held = pairs_of(left_out, None) if left_out else []
     require_laws([*pairs, *held], laws)
+    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
+    if compared is not None:
+        pairs, wanted = list(compared.pairs), dict(compared.parameters)
     found = fitted(
         pairs,
         wanted,
@@ -130,6 +140,7 @@ def identify(
         coloured=coloured,
         seed=seed,
         report=report,
+        begin=compared.named if compared is not None else None,
     )
     limits = _intervals(found, level, profile=profile)
     cases = found.cases()
@@ -143,7 +154,6 @@ def identify(
         cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
     )
     sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
-    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
     if compared is not None:
         sentences = [*compared.sentences, *sentences]
     attrs = {
@@ -159,7 +169,8 @@ def identify(
         "records": json.dumps([record.name for member in found.members for record in member.records]),
         "sentences": json.dumps(sentences),
     }
-    return Identification(fit_dataset(found, limits, told, programs, attrs, compared))
+    chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None
+    return Identification(fit_dataset(found, limits, told, programs, attrs, compared, chains))
 
 
 def pairs_of(case: Case | Pairs, records: Any) -> list[tuple[Case, Any]]:
@@ -220,8 +231,12 @@ def fitted(
     seed: int = 0,
     report: Callable[[str], None] | None = None,
     only_nuisances: bool = False,
+    begin: Mapping[str, float] | None = None,
 ) -> Fitted:
-    """Fit, and return what `identify` makes a result of; with ``only_nuisances`` there may be no parameters."""
+    """Fit, and return what `identify` makes a result of.
+
+    With ``only_nuisances`` there may be no parameters; the first start is at the unknowns of ``begin``.
+    """
     members = members_of(pairs)
     unknowns, beliefs = sought(members, parameters, nuisances, free=only_nuisances)
     measured, series = series_of(members, unknowns, beliefs)
@@ -239,21 +254,39 @@ def fitted(
         coloured=coloured,
         seed=seed,
         report=report,
+        begin=_coordinates(unknowns, begin or {}),
     )
     return Fitted(members, best, covariance(best))
 
 
-def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
-    best, unknowns = found.estimate, found.unknowns
-    beliefs = [row for row, one in enumerate(best.noise.series) if one.certain]
-    numbers = [
-        unknowns.names.index(best.noise.series[row].label.removesuffix(" beforehand")) for row in beliefs
-    ]
-    scaled = Scaled(CasePredictions(found.members, unknowns, numbers), unknowns)
+def _coordinates(unknowns: Unknowns, named: Mapping[str, float]) -> Floats:
+    """Return where a search begins: at numbers that are known, else at the starts."""
+    return unknowns.coordinates(np.array([named.get(one.name, one.start) for one in unknowns]))
+
+
+def _scaled(found: Fitted) -> Scaled:
+    """Return the predictions of a fit by the coordinates of its unknowns."""
+    unknowns = found.unknowns
+    believed = [one.label for one in found.estimate.noise.series if one.certain]
+    numbers = [unknowns.names.index(label.removesuffix(" beforehand")) for label in believed]
+    return Scaled(CasePredictions(found.members, unknowns, numbers), unknowns)
+
+
+def _square(found: Fitted, scaled: Scaled | None = None) -> Callable[[Floats], float]:
+    """Return the sum of squares of a fit in units of its noise, as a function of the coordinates."""
+    best, predictions = found.estimate, scaled or _scaled(found)
 
     def square(z: Floats) -> float:
-        white = best.noise.whitened(best.measured - scaled.values(z))
+        white = best.noise.whitened(best.measured - predictions.values(z))
         return float(white @ white)
+
+    return square
+
+
+def _intervals(found: Fitted, level: float, *, profile: bool) -> list[Interval]:
+    best, unknowns = found.estimate, found.unknowns
+    scaled = _scaled(found)
+    square = _square(found, scaled)
 
     def profiled(k: int, value: float, start: Floats) -> tuple[float, Floats]:
         low, high = (bound.copy() for bound in unknowns.bounds)

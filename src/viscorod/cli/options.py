@@ -23,6 +23,7 @@ __all__ = [
     "Station",
     "numbers_of",
     "output_option",
+    "pair_of",
     "range_of",
 ]
 
@@ -69,6 +70,18 @@ def numbers_of(flag: str, text: str) -> list[float]:
         raise InputError(
             Fault(flag, text, "numbers are needed here", "separate them by commas: 0.01,0.02")
         ) from None
+
+
+def pair_of(flag: str, text: str) -> tuple[float, float]:
+    """Return two increasing numbers separated by a comma.
+
+    Raises:
+        InputError: they are none.
+    """
+    values = numbers_of(flag, text)
+    if len(values) != 2 or not values[0] < values[1]:
+        raise InputError(Fault(flag, text, "two increasing numbers are needed", f"give {flag} 0.1,10"))
+    return values[0], values[1]
 
 
 def range_of(flag: str, text: str, unit: str) -> Floats:

@@ -15,7 +15,7 @@ from viscorod.pictures.plots.plot_identification import (
     draw_identification,
     draw_intervals,
 )
-from viscorod.results.identification_report import limits_text
+from viscorod.results.identification_report import FORETOLD, foretold_table, limits_text
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def page_text(fit: Identification) -> str:
         parts += ["<h2>What to know</h2>", _list(fit.sentences)]
     parts += ["<h2>Numbers of the model</h2>", _numbers(fit.parameters)]
     if fit.combinations:
-        parts += ["<h2>What the data tell of several together</h2>", _numbers(fit.combinations, fit.units)]
+        parts += ["<h2>What the data tell of several together</h2>", _numbers(fit.combinations)]
     if fit.nuisances:
         parts += ["<h2>Numbers of the measurement</h2>", _numbers(fit.nuisances)]
     parts += ["<h2>Data and model</h2>", _picture(draw_identification(fit))]
@@ -70,6 +70,8 @@ def page_text(fit: Identification) -> str:
         parts += ["<h2>What is left</h2>", _picture(coloured)]
     if fit.laws:
         parts += ["<h2>Laws on the same data</h2>", _laws(fit)]
+    if fit.foretold:
+        parts += [f"<h2>{FORETOLD}</h2>", _table(*foretold_table(fit))]
     if fit.in_programs:
         parts += ["<h2>The damping in the numbers of other programs</h2>", _numbers(fit.in_programs)]
     if fit.warnings:
@@ -107,19 +109,19 @@ def _cell(text: str) -> str:
     return f"<td{kind}>{html.escape(text)}</td>"
 
 
-def _numbers(numbers: dict[str, Number], units: dict[str, str] | None = None) -> str:
-    by = any(one.how for one in numbers.values())
+def _numbers(numbers: dict[str, Number]) -> str:
+    by, units = (any(getattr(one, word) for one in numbers.values()) for word in ("how", "unit"))
     rows = [
         [
             name,
             f"{one.value:.6g}",
             *limits_text(one),
+            *([one.unit] if units else []),
             *([one.how] if by else []),
-            *([units[name]] if units else []),
         ]
         for name, one in numbers.items()
     ]
-    header = ["", "value", "low", "high", *(["interval by"] if by else []), *(["unit"] if units else [])]
+    header = ["", "value", "low", "high", *(["unit"] if units else []), *(["interval by"] if by else [])]
     return _table(header, rows)
 
 

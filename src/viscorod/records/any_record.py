@@ -15,6 +15,8 @@ from viscorod.typing import Floats
 
 __all__ = ["AnyRecord", "deviations", "finite", "increasing"]
 
+UNITS = {"release_time": "s", "delay": "s", "orientation": "rad", "marker": "m"}
+"""Of unknowns of measurements, without the axis."""
 STEP = 1e-4
 """Step of the differences by unknowns, as a part of their usual size."""
 
@@ -49,6 +51,18 @@ class AnyRecord(ABC):
         Raises:
             InputError: the result is of another kind, or does not reach as far as the record.
         """
+
+    @property
+    @abstractmethod
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """Names and SI units of what was measured, as many numbers each, in the order of `observed`."""
+
+    def unit_of(self, unknown: Unknown) -> str:
+        """Return the SI unit of an unknown of the measurement, "1" of a plain number."""
+        own = self.axes[0][1]
+        if unknown.name == "drift":
+            return f"{own}/s"
+        return own if unknown.name == "offset" else UNITS.get(unknown.name.rstrip("_123xyz"), "1")
 
     @described
     def by_nuisances(self, result: Any, nuisances: Mapping[str, float] | None = None) -> dict[str, Floats]:

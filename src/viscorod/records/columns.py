@@ -61,6 +61,9 @@ class Columns:
         fits = fits or [
             k for k, name in enumerate(self.names) if name.casefold() == str(wanted).strip().casefold()
         ]
+        if not fits:  # a heading as it stands in the file, with its unit
+            name, unit = name_and_unit(str(wanted))
+            fits = [k for k, own in enumerate(self.names) if (own, self.units[k]) == (name, unit)]
         if len(fits) == 1:
             return fits[0]
         near = difflib.get_close_matches(str(wanted), self.names, n=1)

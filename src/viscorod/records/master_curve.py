@@ -31,6 +31,8 @@ FEWEST = 3
 """Sweeps at least."""
 KNOWN = 0.5
 """Half-width of the interval of log10 a_T, decades, up to which a sweep takes part in the laws."""
+ENOUGH = 0.8
+"""Part of the most sweeps known beside any one that must be known beside the reference if laws are referred to it."""
 WANDERS = 1.0
 """K by which a sample's temperature may change within a sweep without a word."""
 SPIKED = 0.34
@@ -62,12 +64,12 @@ def master_curve(
         files: a file with sweeps at several temperatures, several files, or pairs of temperature, degrees C, and
             `DmaTable`.
         reference: temperature of the curve, degrees C, the nearest sweep is taken; left out, that with the largest
-            loss factor.
+            loss factor. Laws are referred to another one where its shift is not known beside others.
         vertical: whether moduli are shifted too; without it the intervals are narrower, and wrong where moduli depend
             on temperature by more than their times do.
         band: frequencies that count, Hz: those near the instrument's resonance do not.
         law_range: temperatures from which the laws are fitted, degrees C; left out, all whose shift is known to 0.5
-            decades.
+            decades beside one of them.
         frequency_unit, modulus_unit: where the files do not say.
         title: of the result.
 
@@ -92,7 +94,7 @@ def master_curve(
     fit = overlapped(tables, celsius, first, vertical)
     decades, covariance = fit.log_a / DECADE, fit.covariance[: len(celsius), : len(celsius)] / DECADE**2
     width = float(norm.ppf(0.975)) * np.sqrt(np.diag(covariance))
-    used = width <= KNOWN
+    base, used = _law_base(covariance, first, fit.bridged)
     if law_range is not None:
         used = (celsius >= law_range[0]) & (celsius <= law_range[1])
         if not used.any():
@@ -104,13 +106,44 @@ def master_curve(
                     "give other temperatures",
                 )
             )
-    block = covariance[np.ix_(used, used)]
+        base = base if used[base] else int(np.flatnonzero(used)[np.argmin(np.diag(covariance)[used])])
+    block = _relative(covariance, base)[np.ix_(used, used)]
+    own, about = decades[used] - decades[base], float(celsius[base])
     laws = {
-        "wlf": fit_wlf(celsius[used], decades[used], block, float(celsius[first])),
-        "arrhenius": fit_arrhenius(celsius[used], decades[used], block, float(celsius[first])),
+        "wlf": fit_wlf(celsius[used], own, block, about),
+        "arrhenius": fit_arrhenius(celsius[used], own, block, about),
     }
     doubts = [*notes, *_doubts(celsius, fit, width, used)]
-    return _result(celsius, tables, first, fit, width, laws, used, vertical, doubts, title)
+    if base != first and any(law is not None for law in laws.values()):
+        doubts.append(
+            f"the shift at the reference of {celsius[first]:.4g} C is not known beside the others: laws, and materials "
+            f"by them, are referred to {about:.4g} C"
+        )
+    return _result(celsius, tables, first, base, fit, width, laws, used, vertical, doubts, title)
+
+
+def _relative(covariance: Floats, base: int) -> Floats:
+    """Return the covariance of shifts less that of one sweep."""
+    row = covariance[base]
+    return np.asarray(covariance - row[:, None] - row[None, :] + covariance[base, base])
+
+
+def _law_base(covariance: Floats, first: int, bridged: np.ndarray) -> tuple[int, np.ndarray]:
+    """Return the sweep that the laws are referred to, and the sweeps whose shift is known beside that.
+
+    It is the reference of the curve, unless that has hardly a neighbour beside which its shift is known, as in a glass.
+    """
+    far = float(norm.ppf(0.975))
+    known = np.array(
+        [
+            far * np.sqrt(np.maximum(np.diag(_relative(covariance, k)), 0.0)) <= KNOWN
+            for k in range(len(covariance))
+        ]
+    )
+    known = known & np.outer(bridged, bridged)
+    counts = known.sum(axis=1)
+    base = first if counts[first] >= ENOUGH * counts.max() else int(np.argmax(counts))
+    return base, known[base]
 
 
 def _sweeps(
@@ -222,7 +255,8 @@ def _doubts(celsius: Floats, fit: Overlap, width: Floats, used: np.ndarray) -> l
     wide = celsius[width > KNOWN]
     if len(wide):
         found.append(
-            f"the shift at {', '.join(f'{one:.4g}' for one in wide)} C is not known to {KNOWN:g} decades: the moduli "
+            f"the shift at {', '.join(f'{one:.4g}' for one in wide)} C is not known to {KNOWN:g} decades "
+            "beside the reference: the moduli "
             "hardly change with frequency there"
         )
     if not used.all() and used.any():
@@ -231,8 +265,8 @@ def _doubts(celsius: Floats, fit: Overlap, width: Floats, used: np.ndarray) -> l
 
 
 def _result(
-    celsius: Floats, tables: list[DmaTable], first: int, fit: Overlap, width: Floats, laws: dict[str, LawFit | None],
-    used: np.ndarray, lifted: bool, doubts: list[str], title: str,
+    celsius: Floats, tables: list[DmaTable], first: int, base: int, fit: Overlap, width: Floats,
+    laws: dict[str, LawFit | None], used: np.ndarray, lifted: bool, doubts: list[str], title: str,
 ) -> MasterCurve:  # fmt: skip
     import xarray as xr
 
@@ -248,7 +282,7 @@ def _result(
     curve = fit.at(smooth)
     kept = {
         name: None if law is None else {"values": law.values, "low": law.low, "high": law.high, "off": law.off,
-                                        "information": law.information}
+                                        "information": law.information, "reference": float(celsius[base])}
         for name, law in laws.items()
     }  # fmt: skip
     strains = {one.strain for one in tables} - {None}

@@ -107,6 +107,12 @@ class ModesRecord(AnyRecord):
         self.noise = np.concatenate(known) if known else None
         self._named(name, unknown, {"clock": (1.0, 0.5, 2.0)})
 
+    @property
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """See `AnyRecord`."""
+        ratios = () if self.damping_ratios is None else (("damping ratio", "1"),)
+        return (("natural frequency", "Hz"), *ratios)
+
     @classmethod
     @described
     def of(cls, found: Any, **more: Any) -> ModesRecord:

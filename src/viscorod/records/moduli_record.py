@@ -90,6 +90,11 @@ class ModuliRecord(AnyRecord):
             own.setdefault("of", table.strain)
         return cls(table.omega / (2.0 * np.pi), table.storage, table.loss, **own)
 
+    @property
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """See `AnyRecord`."""
+        return (("storage modulus", "Pa"), ("loss modulus", "Pa"))
+
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a `Material` says (2 n,); see `AnyRecord`.

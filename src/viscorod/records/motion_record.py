@@ -11,7 +11,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
 from viscorod.records.other_files import columns_of
-from viscorod.records.read_off import BODY_AXES, QUANTITIES, Direction, motion_along
+from viscorod.records.read_off import BODY_AXES, QUANTITIES, Direction, direction_text, motion_along
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
@@ -174,6 +174,11 @@ class Record(AnyRecord):
     def unit(self) -> str:
         """SI unit of the values."""
         return QUANTITIES[self.quantity].unit(self.direction)
+
+    @property
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """See `AnyRecord`."""
+        return ((f"{self.quantity} {direction_text(self.direction)} of {self.place}", self.unit),)
 
     @property
     def interval(self) -> float | None:

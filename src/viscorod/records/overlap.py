@@ -27,6 +27,9 @@ BEND = 0.05
 """Third differences of the curves from knot to knot that are usual; a peak of the loss modulus has twice that."""
 TURN = DECADE
 """Usual change of the step of ln a from sweep to sweep."""
+UNKNOWN, UNSURE = 0.3, 0.02
+"""Parts of their weight with which such steps, and the points, of a sweep that shares no moduli with a neighbour count:
+where the curve goes on between them nobody knows, and it must not bend that of the others."""
 LIFT = 0.02
 """The same of ln b, which follows density and temperature."""
 ROUGH, LIFTED = 0.03, 0.1
@@ -39,6 +42,8 @@ HUBER = 2.0
 """Scatters from which on a point counts less."""
 ROUNDS = 12
 SETTLED = 1e-4
+QUANTILE = 1.96
+"""Standard deviations of half a 95 % interval."""
 FINEST = 1e-5
 """Relative scatter below which points are not weighed higher."""
 
@@ -89,25 +94,31 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
         )
     )
     known = y > -600.0
-    start, bridged = _neighbours(tables)
+    start, touching = _neighbours(tables)
+    bridged = np.append(touching, False) | np.insert(touching, 0, False)
     log_a = start - start[reference]
     free = np.delete(np.arange(count), reference)
-    layout = _Layout(x, sweep, np.where(known, y, 0.0), _knots(x + log_a[sweep]), free, vertical, celsius)
+    layout = _Layout(
+        x, sweep, np.where(known, y, 0.0), _knots(x + log_a[sweep]), free, vertical, celsius, bridged
+    )
     scatter = np.array([0.005, 0.01])  # small, so that the curves may follow all that the points say
-    weights = known.astype(float)
+    trust = np.where(bridged[sweep], 1.0, UNSURE) * known
+    weights = trust.copy()
     for _ in range(ROUNDS):
         before = log_a.copy()
         log_a[free] = layout.settled(log_a, weights / scatter[:, None])
         solution, residual = layout.solved(log_a, weights / scatter[:, None])
         for k in (0, 1):
-            usual = 1.4826 * float(np.median(np.abs(residual[k][known[k]])))
+            seen = known[k] & (bridged[sweep] | ~bridged.any())
+            usual = 1.4826 * float(np.median(np.abs(residual[k][seen])))
             scatter[k] = max(usual * layout.loosened(log_a), FINEST)
         off = np.abs(residual) / scatter[:, None]
-        weights = np.where(known, np.sqrt(np.minimum(1.0, HUBER / np.maximum(off, 1e-12))), 0.0)
+        weights = trust * np.sqrt(np.minimum(1.0, HUBER / np.maximum(off, 1e-12)))
         if np.abs(log_a - before).max() < SETTLED:
             break
     weighted = layout.whole(log_a, solution, weights / scatter[:, None])
     covariance = _covariance(weighted, residual / scatter[:, None], weights, sweep, layout.size, free, count)
+    covariance[:count, :count] += _across_gaps(log_a, touching, reference)
     log_b = np.zeros(count)
     if vertical:
         log_b[free] = solution[2 * layout.size :]
@@ -128,7 +139,7 @@ def _neighbours(tables: Sequence[DmaTable]) -> tuple[Floats, np.ndarray]:
     A sweep that shares none lies beyond the range of its warmer neighbour, and goes on as the steps before do.
 
     Returns:
-        ln a (n,), and whether each sweep shares moduli with a neighbour (n,).
+        ln a (n,), and whether each sweep shares moduli with the next warmer one (n - 1,).
     """
     count = len(tables)
     steps, touching = np.zeros(count - 1), np.zeros(count - 1, dtype=bool)
@@ -142,7 +153,17 @@ def _neighbours(tables: Sequence[DmaTable]) -> tuple[Floats, np.ndarray]:
         onward = float(grown[0] + max(grown[0] - grown[-1], 0.0)) if len(grown) else 0.0
         steps[k] = max(onward, float(np.ptp(np.log(tables[k].omega))))
     log_a = np.append(np.cumsum(steps[::-1])[::-1], 0.0)
-    return log_a, np.append(touching, False) | np.insert(touching, 0, False)
+    return log_a, touching
+
+
+def _across_gaps(log_a: Floats, touching: np.ndarray, reference: int) -> Floats:
+    """Return the covariance of ln a by steps over which no moduli are shared: as uncertain as they are large."""
+    count = len(log_a)
+    found = np.zeros((count, count))
+    for k in np.flatnonzero(~touching):
+        beyond = np.arange(count) <= k if reference > k else np.arange(count) > k
+        found[np.ix_(beyond, beyond)] += ((log_a[k] - log_a[k + 1]) / QUANTILE) ** 2
+    return found
 
 
 def _step(cold: DmaTable, warm: DmaTable) -> tuple[float, float]:
@@ -187,6 +208,7 @@ class _Layout:
         free: np.ndarray,
         vertical: bool,
         celsius: Floats,
+        bridged: np.ndarray,
     ) -> None:
         self.x, self.sweep, self.y, self.knots, self.free = x, sweep, y, knots, free
         self.size = len(knots) - 4
@@ -195,7 +217,8 @@ class _Layout:
         third = np.diff(np.eye(self.size), 3, axis=0) / BEND
         none = np.zeros_like(third)
         bends = _second_differences(celsius)[:, free]
-        self.turns = bends / TURN
+        sure = np.array([bridged[k : k + 3].all() for k in range(len(bends))], dtype=bool)
+        self.turns = bends / TURN * np.where(sure, 1.0, UNKNOWN)[:, None]
         curves = np.block([[third, none], [none, third]])
         lifts = np.zeros((0, 0)) if not vertical else bends / LIFT
         self.penalty = np.block(
@@ -317,7 +340,7 @@ def _covariance(
     known = weights > 0.0
     freedom = max(np.count_nonzero(known) - used, 1.0)
     left = weights**2 * residual
-    full = float(np.mean(weights[known] == 1.0))
+    full = float(np.mean(weights[known] == weights.max()))
     variance = float(np.sum(left**2)) / freedom * float(np.mean(weights[known] ** 2)) / max(full, 0.5) ** 2
     residual = weights * residual
     same = sweep[1:] == sweep[:-1]

@@ -22,6 +22,7 @@ __all__ = [
     "QUANTITIES",
     "Direction",
     "Quantity",
+    "direction_text",
     "motion_along",
     "strain_along",
 ]
@@ -47,6 +48,17 @@ def _along(where: str, given: Direction) -> Floats | str:
         raise InputError(Fault(where, repr(given), "no direction", "give three numbers, not all zero"))
     found: Floats = vector / size
     return found
+
+
+def direction_text(direction: Floats | str) -> str:
+    """Return a direction in words: "x", "-y", "bend_2", or three numbers."""
+    if isinstance(direction, str):
+        return direction
+    for name, axis in AXES.items():
+        for sign, mark in ((1.0, ""), (-1.0, "-")):
+            if np.allclose(direction, sign * np.array(axis), atol=1e-9):
+                return mark + name
+    return "along (" + ", ".join(f"{one:.3g}" for one in direction) + ")"
 
 
 def _along_or_body(where: str, given: Direction) -> Floats | str:

@@ -134,6 +134,11 @@ class ResponseRecord(AnyRecord):
         return cls(columns.si("frequency", frequency, "Hz", frequency_unit), size * values, **more)
 
     @property
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """See `AnyRecord`; the unit is SI of output over input, which no record says by a word."""
+        return (("real part", ""), ("imaginary part", ""))
+
+    @property
     def values(self) -> np.ndarray:
         """The complex responses (n,)."""
         count = len(self.frequencies)

@@ -11,7 +11,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.read_off import QUANTITIES, Direction, strain_along
+from viscorod.records.read_off import QUANTITIES, Direction, direction_text, strain_along
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
@@ -77,6 +77,12 @@ class StaticRecord(AnyRecord):
         self._named(
             name or place, unknown, {"offset": (0.0, -1e3 * reach, 1e3 * reach), "gain": (1.0, 0.1, 10.0)}
         )
+
+    @property
+    def axes(self) -> tuple[tuple[str, str], ...]:
+        """See `AnyRecord`."""
+        unit = QUANTITIES[self.quantity].unit(self.direction)
+        return ((f"{self.quantity} {direction_text(self.direction)} of {self.place}", unit),)
 
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from viscorod.checks import checked
+from viscorod.results.material_share import AtMost, material_at_most
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.shown import counted
@@ -87,6 +88,11 @@ class Decay(StatelessResult):
     def damping_ratio_intervals(self) -> Floats:
         """95 % intervals of the damping ratios (k, 2)."""
         return self.damping_ratios[:, None] + np.outer(self._column("damping_ratio_width"), [-1.0, 1.0])
+
+    @property
+    def material_at_most(self) -> list[AtMost]:
+        """The most that a flat loss factor and a Kelvin-Voigt time of the material can be; the rest damps outside."""
+        return material_at_most(self.frequencies, self.damping_ratios, self._column("damping_ratio_width"))
 
     @property
     def noise(self) -> float:

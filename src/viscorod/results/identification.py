@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -16,15 +16,22 @@ from viscorod.shown import counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from viscorod.casefile.case import Case
 
-__all__ = ["Identification", "Law", "Number"]
+__all__ = ["Foretold", "Identification", "Law", "Number"]
 
+HALF = "half of the 95 % interval"
 VARIABLES: Variables = {
     "unknown": (("unknown",), "", "key of a number of the case, or name of a number of the measurement"),
+    "unknown_unit": (
+        ("unknown",),
+        "",
+        "SI unit of the number, 1 of a plain one; empty where it is not known",
+    ),
     "nuisance": (("unknown",), "", "1 where it belongs to the measurement and not to the model"),
     "start": (("unknown",), "", "where the search began"),
     "estimate": (("unknown",), "", "at the least sum of squares, SI"),
@@ -45,6 +52,8 @@ VARIABLES: Variables = {
         "",
         "directions that the data do not see, as powers of the unknowns",
     ),
+    "draw": (("chain", "step", "unknown"), "", "draws of the posterior, SI; none unless they were asked for"),
+    "draw_density": (("chain", "step"), "1", "logarithm of the density there, up to a constant"),
     "measured": (("value",), "", "what was measured, SI"),
     "predicted": (("value",), "", "what the fitted model says, SI"),
     "deviation": (("value",), "", "standard deviation of the noise of the value, SI"),
@@ -52,6 +61,8 @@ VARIABLES: Variables = {
     "place": (("value",), "", "time [s], frequency [Hz], load or number of the value"),
     "series_of": (("value",), "", "number of the series, from 0"),
     "series": (("series",), "", "what one channel of one record gave"),
+    "quantity": (("series",), "", "what was measured, in words; names of several that follow each other"),
+    "quantity_unit": (("series",), "", "SI unit of it; empty where it is not known"),
     "place_unit": (("series",), "", "unit of the place of its values"),
     "noise": (("series",), "", "standard deviation of the residuals, typical, SI"),
     "noise_told": (("series",), "", "what was told of it, SI; 0 where nothing was"),
@@ -75,6 +86,18 @@ VARIABLES: Variables = {
     "law_aicc": (("law",), "1", "Akaike's corrected criterion, less the least"),
     "law_bic": (("law",), "1", "Bayesian criterion, less the least"),
     "law_prediction": (("law",), "1", "error of records left out, over their noise; 0 where none was"),
+    "foretold_frequency": (
+        ("foretold",),
+        "Hz",
+        "natural frequency that a law foretells of a record left out",
+    ),
+    "foretold_frequency_width": (("foretold",), "Hz", HALF),
+    "foretold_ratio": (("foretold",), "1", "damping ratio that it foretells"),
+    "foretold_ratio_width": (("foretold",), "1", HALF),
+    "left_out_frequency": (("foretold",), "Hz", "natural frequency that the record shows"),
+    "left_out_frequency_width": (("foretold",), "Hz", HALF),
+    "left_out_ratio": (("foretold",), "1", "damping ratio that it shows"),
+    "left_out_ratio_width": (("foretold",), "1", HALF),
     "program_value": (("program_number",), "", "value of a damping input of another program"),
     "program_low": (("program_number",), "", "lower end of its interval"),
     "program_high": (("program_number",), "", "upper end of its interval"),
@@ -92,6 +115,7 @@ class Number:
         name: of it; value: in SI.
         low, high: ends of its interval; infinite (or 0 of positive numbers) where the data cannot tell.
         standard_error: SI; how: by which the interval was found.
+        unit: SI unit, "1" of a plain number, empty where it is not known.
     """
 
     name: str
@@ -100,6 +124,7 @@ class Number:
     high: float
     standard_error: float = 0.0
     how: str = ""
+    unit: str = ""
 
     @property
     def told(self) -> bool:
@@ -124,6 +149,47 @@ class Law:
     bic: float
     prediction: float
     values: str
+
+
+@dataclass(frozen=True)
+class Foretold:
+    """A free decay that a law foretells, which was fitted to other records, beside what the record shows.
+
+    Attributes:
+        law, record: their names.
+        frequency, measured_frequency: natural frequencies of the strongest mode, Hz.
+        damping_ratio, measured_ratio: of that mode.
+        frequency_width, damping_ratio_width, measured_frequency_width, measured_ratio_width: halves of the 95 %
+            intervals.
+    """
+
+    law: str
+    record: str
+    frequency: float
+    frequency_width: float
+    damping_ratio: float
+    damping_ratio_width: float
+    measured_frequency: float
+    measured_frequency_width: float
+    measured_ratio: float
+    measured_ratio_width: float
+
+    COLUMNS: ClassVar[tuple[str, ...]] = (
+        "foretold_frequency",
+        "foretold_frequency_width",
+        "foretold_ratio",
+        "foretold_ratio_width",
+        "left_out_frequency",
+        "left_out_frequency_width",
+        "left_out_ratio",
+        "left_out_ratio_width",
+    )
+    """Names of its numbers in the data set, in order."""
+
+    @property
+    def numbers(self) -> tuple[float, ...]:
+        """Its numbers in the order of the columns."""
+        return tuple(value for value in astuple(self) if not isinstance(value, str))
 
 
 class Identification(StatelessResult):
@@ -170,7 +236,13 @@ class Identification(StatelessResult):
             high = np.inf if data["high_open"].values[k] else float(data["high"].values[k])
             how = str(data["interval_by"].values[k])
             found[str(name)] = Number(
-                str(name), float(data["estimate"].values[k]), low, high, float(errors[k]), how
+                str(name),
+                float(data["estimate"].values[k]),
+                low,
+                high,
+                float(errors[k]),
+                how,
+                str(data["unknown_unit"].values[k]),
             )
         return found
 
@@ -194,10 +266,11 @@ class Identification(StatelessResult):
     def combinations(self) -> dict[str, Number]:
         """What the data tell of several unknowns together, by name."""
         values, low, high = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
-        names = (name for name, _ in self.words("combinations"))
         return {
-            name: Number(name, float(value), float(below), float(above))
-            for name, value, below, above in zip(names, values, low, high, strict=True)
+            name: Number(name, float(value), float(below), float(above), unit=unit)
+            for (name, unit), value, below, above in zip(
+                self.words("combinations"), values, low, high, strict=True
+            )
         }
 
     @property
@@ -228,6 +301,15 @@ class Identification(StatelessResult):
         ]
 
     @property
+    def foretold(self) -> list[Foretold]:
+        """Free decays among the records left out, by every law."""
+        columns = [self._values(name) for name in Foretold.COLUMNS]
+        return [
+            Foretold(law, record, *(float(column[k]) for column in columns))
+            for k, (law, record) in enumerate(self.words("foretold"))
+        ]
+
+    @property
     def covariance(self) -> Floats:
         """Covariance of the unknowns ``(p, p)``, SI, along what the data see."""
         size = np.where(self._values("relative") > 0.0, self._values("estimate"), 1.0)
@@ -241,6 +323,39 @@ class Identification(StatelessResult):
         size = np.sqrt(np.diag(matrix))
         size = np.where(size > 0.0, size, 1.0)
         return np.asarray(matrix / np.outer(size, size))
+
+    @property
+    def posterior(self) -> xr.DataTree:
+        """Draws of the posterior as ``arviz`` takes them: the groups posterior and sample_stats, by chain and draw.
+
+        Raises:
+            InputError: none were drawn.
+        """
+        from viscorod.results.posterior import posterior_tree
+
+        return posterior_tree(self)
+
+    def distributions(self, *, nuisances: bool = False) -> dict[str, Any]:
+        """Return what is known of the numbers of the model as distributions of SciPy, by key, as `ensemble` takes them.
+
+        They are those of the draws where there are any, else normal or lognormal with the standard errors. Their
+        correlation is that of `correlation_of_distributions`.
+
+        Args:
+            nuisances: whether numbers of the case that belong to the measurement are among them.
+
+        Raises:
+            InputError: the data do not tell one of them.
+        """
+        from viscorod.results.posterior import distributions_of
+
+        return distributions_of(self, nuisances=nuisances)
+
+    def correlation_of_distributions(self, *, nuisances: bool = False) -> Floats:
+        """Return the correlation of the normal numbers behind `distributions`, in their order, for `ensemble`."""
+        from viscorod.results.posterior import correlation_of
+
+        return correlation_of(self, nuisances=nuisances)
 
     @property
     def residuals(self) -> Floats:

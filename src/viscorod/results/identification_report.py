@@ -11,7 +11,9 @@ from viscorod.results.text_table import listed, table
 if TYPE_CHECKING:
     from viscorod.results.identification import Identification, Number
 
-__all__ = ["identification_report", "limits_text"]
+__all__ = ["FORETOLD", "foretold_table", "identification_report", "limits_text"]
+
+FORETOLD = "Records left out, foretold and measured (+- 95 %)"
 
 
 def identification_report(fit: Identification) -> str:
@@ -40,6 +42,9 @@ def identification_report(fit: Identification) -> str:
     blocks.append(_residuals(fit))
     if fit.laws:
         blocks.append(_laws(fit))
+    if fit.foretold:
+        header, rows = foretold_table(fit)
+        blocks.append(table(FORETOLD, header, rows))
     if fit.in_programs:
         rows = [[name, f"{one.value:.5g}", *limits_text(one)] for name, one in fit.in_programs.items()]
         blocks.append(
@@ -51,7 +56,9 @@ def identification_report(fit: Identification) -> str:
 
 
 def limits_text(one: Number) -> tuple[str, str]:
-    """Return the ends of an interval in words."""
+    """Return the ends of an interval in words; those of what nothing fitted acts on are as the case has it."""
+    if one.low == one.value == one.high:
+        return "as given", "as given"
     low = "-infinite" if one.low == -np.inf else f"{one.low:.5g}"
     return low, "infinite" if one.high == np.inf else f"{one.high:.5g}"
 
@@ -62,12 +69,13 @@ def _numbers(title: str, numbers: dict[str, Number]) -> str:
             name,
             f"{one.value:.6g}",
             *limits_text(one),
+            one.unit,
             f"{one.standard_error:.2g}" if one.told else "-",
             one.how,
         ]
         for name, one in numbers.items()
     ]
-    return table(title, ["", "value", "low", "high", "standard error", "interval by"], rows)
+    return table(title, ["", "value", "low", "high", "unit", "standard error", "interval by"], rows)
 
 
 def _residuals(fit: Identification) -> str:
@@ -107,3 +115,28 @@ def _laws(fit: Identification) -> str:
     ]
     header = ["law", "numbers", "squares", "AICc", "BIC", *(["left out"] if held else []), "fitted"]
     return table("Laws on the same data; criteria less the least", header, rows)
+
+
+def foretold_table(fit: Identification) -> tuple[list[str], list[list[str]]]:
+    """Return the heads and the rows of a table of what laws foretell of records that were left out."""
+    rows = [
+        [
+            one.record,
+            one.law,
+            f"{one.frequency:.5g} +- {one.frequency_width:.2g}",
+            f"{one.measured_frequency:.5g} +- {one.measured_frequency_width:.2g}",
+            f"{100.0 * (one.frequency / one.measured_frequency - 1.0):+.2g}",
+            f"{one.damping_ratio:.4g} +- {one.damping_ratio_width:.2g}",
+            f"{one.measured_ratio:.4g} +- {one.measured_ratio_width:.2g}",
+        ]
+        for one in fit.foretold
+    ]
+    return [
+        "record",
+        "law",
+        "frequency [Hz]",
+        "measured",
+        "off by [%]",
+        "damping ratio",
+        "measured",
+    ], rows

@@ -130,7 +130,11 @@ class MasterCurve(StatelessResult):
             raise InputError(f"law = {chosen!r}: it was not fitted; there are {', '.join([*laws, 'table'])}")
         names = ("c1", "c2") if chosen == "wlf" else ("activation_energy",)
         values = dict(zip(names, map(float, laws[chosen]["values"]), strict=True))
-        return {"kind": chosen, **values, "reference": self.reference}
+        return {"kind": chosen, **values, "reference": self._law_reference(chosen)}
+
+    def _law_reference(self, law: str) -> float:
+        """Return the temperature that a law is referred to, degrees C."""
+        return float(self.laws.get(law, {}).get("reference", self.reference))
 
     @checked
     def lift_at(self, temperature: float) -> float:
@@ -163,23 +167,26 @@ class MasterCurve(StatelessResult):
         Raises:
             InputError: there is no such law.
         """
+        chosen = self.law if law is None else law
+        about = self._law_reference(chosen)
+        shift = float(np.interp(about, self.temperatures, self.log_shifts))
         lift = self.lift_at(temperature)
         damping = {
             "kind": "complex_moduli",
-            "frequency": self._column("curve_frequency").tolist(),
+            "frequency": (self._column("curve_frequency") * 10.0**-shift).tolist(),
             "storage": (lift * self._column("curve_storage")).tolist(),
             "loss": (lift * self._column("curve_loss")).tolist(),
             "of": self.data.attrs["strain"] or "extension",
             "law": "maxwell",
             "per_decade": per_decade,
-            **({} if band is None else {"band": band}),
+            **({} if band is None else {"band": tuple(one * 10.0**-shift for one in band)}),
         }
         return {
             "density": density,
             "poissons_ratio": poissons_ratio,
             "damping": damping,
             "temperature": temperature,
-            "shift": self.shift(law),
+            "shift": self.shift(chosen),
         }
 
     def report(self) -> str:
@@ -211,6 +218,8 @@ class MasterCurve(StatelessResult):
             numbers = (
                 f"c1 = {ends[0]}, c2 = {ends[1]} K" if name == "wlf" else f"activation energy {ends[0]} J/mol"
             )
+            if law.get("reference", self.reference) != self.reference:
+                numbers += f" about {law['reference']:.4g} C"
             better = ", the better one" if name == self.law and len(self.laws) > 1 else ""
             lines.append(f"  {name}: {numbers}; off by {law['off']:.2g} decades{better}")
         blocks.append("\n".join(lines))

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, ClassVar
 import numpy as np
 
 from viscorod.checks import checked
+from viscorod.results.material_share import AtMost, material_at_most, material_text
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, table
 from viscorod.shown import counted, span
@@ -75,6 +76,11 @@ class ModalFit(StatelessResult):
         """Damping ratios read off the half-power widths; None where these have less than two bins, or are not alone."""
         return list(json.loads(self.data.attrs["half_power"]))
 
+    @property
+    def material_at_most(self) -> list[AtMost]:
+        """The most that a flat loss factor and a Kelvin-Voigt time of the material can be; the rest damps outside."""
+        return material_at_most(self.frequencies, self.damping_ratios, self._column("damping_ratio_width"))
+
     def report(self) -> str:
         """Return a report: modes with intervals, doubts."""
         hertz = self._column("line_frequency")
@@ -96,7 +102,7 @@ class ModalFit(StatelessResult):
             for k, (f, df, z, dz, half) in enumerate(zip(*columns, self.half_power, strict=True), 1)
         ]
         header = ["", "frequency [Hz]", "damping ratio", "half power"]
-        blocks = [heading, table("Modes (± 95 %)", header, rows)]
+        blocks = [heading, table("Modes (± 95 %)", header, rows), material_text(self.material_at_most)]
         if self.warnings:
             blocks.append(listed("Doubts", self.warnings))
         return "\n\n".join(blocks)

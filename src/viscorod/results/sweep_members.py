@@ -151,7 +151,7 @@ class FoundMembers(MutableMapping[int, Found]):
         if number not in self:
             raise KeyError(number)
         quantities, measured = (
-            {name: float(column[number]) for name, column in columns.items() if np.isfinite(column[number])}
+            {name: float(column[number]) for name, column in columns.items() if not np.isnan(column[number])}
             for columns in self._numbers
         )
         return (

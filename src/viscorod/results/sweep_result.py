@@ -159,13 +159,13 @@ class Sweep(WellNamed, Shown):
         for name, column in self.members.rows.columns.items():
             coordinates[name] = ("member", _column([column[k] for k in numbers]))
         for name, values in self._figures().items():
-            if kept and np.isfinite(values[numbers]).all():
+            if kept and not np.isnan(values[numbers]).any():
                 attributes = {"units": FIGURES[name].unit, "long_name": FIGURES[name].words}
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", values[numbers].astype(dtype), attributes)
         for name in self.quantities:
             if name not in known.histories:
-                if np.isfinite(known.quantities[name][numbers]).all():
+                if not np.isnan(known.quantities[name][numbers]).any():
                     variables[name] = ("member", known.quantities[name][numbers], {"long_name": name})
                 continue
             found = [member.quantities[name] for member in kept if name in member.quantities]

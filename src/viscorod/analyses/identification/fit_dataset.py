@@ -8,11 +8,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.analyses.identification.case_numbers import keys_of, number_at
 from viscorod.analyses.identification.laws import Compared
 from viscorod.analyses.identification.named_combinations import Combination
 from viscorod.analyses.identification.told import at_signal, whiteness
-from viscorod.results.identification import Identification
+from viscorod.casefile.unit_conversion import unit_at
+from viscorod.results.identification import Foretold, Identification
 from viscorod.solve.estimation.intervals import Interval
+from viscorod.solve.estimation.posterior import Draws
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -30,6 +33,7 @@ def fit_dataset(
     programs: Sequence[Combination],
     attrs: Mapping[str, Any],
     compared: Compared | None,
+    chains: Draws | None = None,
 ) -> xr.Dataset:
     """Return all that is known of a fit as one data set."""
     import xarray as xr
@@ -44,6 +48,12 @@ def fit_dataset(
             f"{prefix}_high": _floats(one.high for one in listed),
         }
     columns |= {f"law_{word}": np.zeros(0) for word in ("unknowns", "square", "aicc", "bic", "prediction")}
+    told_of = compared.foretold if compared is not None else []
+    columns |= {name: _floats(one.numbers[k] for one in told_of) for k, name in enumerate(Foretold.COLUMNS)}
+    size = len(found.unknowns)
+    z = chains.z if chains is not None else np.zeros((0, 0, size))
+    columns["draw"] = found.unknowns.values(z.reshape(-1, size)).reshape(z.shape)
+    columns["draw_density"] = chains.density if chains is not None else np.zeros((0, 0))
     if compared is not None:
         columns |= compared.columns
     known = Identification.variables()
@@ -51,6 +61,7 @@ def fit_dataset(
     words = {
         "combinations": json.dumps([[one.name, one.unit] for one in told]),
         "laws": json.dumps(compared.words if compared is not None else []),
+        "foretold": json.dumps([[one.law, one.record] for one in told_of]),
         "program_numbers": json.dumps([one.name for one in programs]),
     }
     return xr.Dataset(variables, attrs={**attrs, **words, "kind": Identification.kind})
@@ -74,6 +85,7 @@ def _of_unknowns(found: Fitted, limits: Sequence[Interval]) -> dict[str, Any]:
     low_open |= np.array([log and one.low <= 0.0 for log, one in zip(logarithmic, limits, strict=True)])
     return {
         "unknown": _words(unknowns.names),
+        "unknown_unit": _words(_unit(found, one.name) for one in unknowns),
         "nuisance": _floats(one.nuisance for one in unknowns),
         "start": _floats(one.start for one in unknowns),
         "estimate": found.estimate.values,
@@ -87,6 +99,20 @@ def _of_unknowns(found: Fitted, limits: Sequence[Interval]) -> dict[str, Any]:
         "covariance": known.matrix * np.outer(size, size),
         "unseen": known.unseen.reshape(-1, len(unknowns)),
     }
+
+
+def _unit(found: Fitted, name: str) -> str:
+    """Return the SI unit of an unknown, empty where none is known."""
+    for member in found.members:
+        for record in member.records:
+            one = record.nuisances.get(name)
+            if one is not None and one.key is None:
+                return str(record.unit_of(one))
+        key = member.key_of(name)
+        if key is not None:
+            own = next(one for one in keys_of(key) if number_at(member.case, one) is not None)
+            return unit_at(member.case.content, own)
+    return ""
 
 
 def _of_values(found: Fitted) -> dict[str, Any]:
@@ -128,6 +154,18 @@ def _places(found: Fitted) -> Iterator[tuple[Floats, str]]:
                 yield numbers, ""
 
 
+def _axes(found: Fitted) -> list[tuple[int, str, str]]:
+    """Return where every measured quantity begins among the values, its name and its unit."""
+    listed: list[tuple[int, str, str]] = []
+    begin = 0
+    for member in found.members:
+        for record in member.records:
+            each = len(record.observed) // len(record.axes)
+            listed += [(begin + k * each, name, unit) for k, (name, unit) in enumerate(record.axes)]
+            begin += len(record.observed)
+    return listed
+
+
 def _of_series(found: Fitted) -> dict[str, Any]:
     best = found.estimate
     pairs = list(zip(best.noise.series, best.noise.found, strict=True))
@@ -136,9 +174,15 @@ def _of_series(found: Fitted) -> dict[str, Any]:
     for at, unit in _places(found):
         units |= dict.fromkeys(range(begin, begin + len(at)), unit)
         begin += len(at)
+    axes = _axes(found)
+    pieces = [[one for start, *one in axes if s.rows.start <= start < s.rows.stop] for s, _ in pairs]
+    quantities = [", ".join(name for name, _ in listed) for listed in pieces]
+    quantity_units = [listed[0][1] if listed else "" for listed in pieces]
     typical = [float(np.median(series.noise)) for series, _ in pairs]
     return {
         "series": _words(series.label for series, _ in pairs),
+        "quantity": _words(quantities),
+        "quantity_unit": _words(quantity_units),
         "place_unit": _words(units.get(series.rows.start, "") for series, _ in pairs),
         "noise": _floats(noise.factor * size for (_, noise), size in zip(pairs, typical, strict=True)),
         "noise_told": _floats(

@@ -24,6 +24,7 @@ OPTIONS: dict[str, tuple[type, str]] = {
     "level": (float, "a number"),
     "profile": (bool, "true or false"),
     "seed": (int, "a whole number"),
+    "draws": (int, "a whole number"),
     "laws": (list, "a list of texts"),
 }
 """Keys that are arguments of `identify`, and what they are."""

@@ -3,20 +3,30 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.identification.foretold import (
+    amplitude_sentences,
+    foretold,
+    foretold_sentences,
+    swings_of,
+    unlike,
+)
+from viscorod.analyses.identification.law_sentences import EXCLUDED, law_sentences
 from viscorod.analyses.identification.law_words import variant
 from viscorod.analyses.identification.members import members_of
 from viscorod.analyses.identification.sought import Range
 from viscorod.analyses.identification.told import dominant_frequencies, number_text
 from viscorod.casefile.case import Case
 from viscorod.errors import InputError, SolveError
+from viscorod.results.identification import Foretold
 from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
+from viscorod.solve.estimation.intervals import Covariance, covariance
 from viscorod.solve.estimation.least_squares import leverage
 from viscorod.solve.estimation.noise import Noise, noise_of
 from viscorod.typing import Floats
@@ -24,31 +34,41 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     from viscorod.analyses.identify import Fitted
 
-__all__ = ["Compared", "compared_laws", "law_sentences", "require_laws"]
+__all__ = ["Compared", "compared_laws", "require_laws"]
 
 Pairs = Sequence[tuple[Case, Any]]
 Fit = Callable[..., "Fitted"]
-
-EXCLUDED, ALIKE = 10.0, 4.0
-"""Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
-OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
-"""What damps outside of the material, in words."""
+OWN = "that of the case"
+"""Name of the law that the case has, which is compared too where numbers of it are sought."""
 
 
 @dataclass(frozen=True, eq=False)
 class Compared:
-    """Laws on the same data, the best first: columns of the data set, and sentences."""
+    """Laws on the same data, the best first.
+
+    Attributes:
+        columns: of the data set; words: names of the laws, and their numbers; sentences: what they say.
+        foretold: free decays that were left out, by every law.
+        pairs, parameters: of an identification with the best law; named: what it found.
+    """
 
     columns: dict[str, Floats]
     words: list[list[str]]
     sentences: list[str]
+    foretold: list[Foretold]
+    pairs: Pairs
+    parameters: Mapping[str, Range]
+    named: Mapping[str, float]
 
 
 @dataclass(frozen=True, eq=False)
 class _One:
     name: str
+    pairs: Pairs
+    parameters: Mapping[str, Range]
     found: Fitted
     prediction: Fitted | None
+    foretold: list[Foretold] = field(default_factory=list)
 
     @property
     def likelihood(self) -> float:
@@ -88,13 +108,19 @@ def compared_laws(
         InputError: a word is not known, or a case does not fit it.
     """
     hertz = _frequency(pairs)
+    damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
+    own = any(key.startswith(damping) for key in parameters)
+    swings = swings_of(left_out)
     done = []
-    for name in laws:
+    for name in [*laws, *([OWN] if own else [])]:
         one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz)
         if isinstance(one, str):
             if report is not None:
                 report(f"law {name}: {one}")
             continue
+        if one.prediction is not None:
+            told = foretold(name, one.found, _known(one.found), one.prediction, swings)
+            one = replace(one, foretold=told)
         done.append(one)
         if report is not None:
             report(f"law {name}: fitted")
@@ -108,7 +134,15 @@ def compared_laws(
         one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series))
         for one in done
     }
-    done.sort(key=lambda one: merits[one.name][0])
+    told = [one for law in done for one in law.foretold]
+    apart = unlike(told, swings)
+    least = min(merit[0] for merit in merits.values())
+
+    def rank(one: _One) -> tuple[bool, bool, float]:
+        merit = merits[one.name][0] - least
+        return merit > EXCLUDED, one.name in apart, merit
+
+    done.sort(key=rank)
     names = [one.name for one in done]
     aicc, bic = (np.array([merits[name][k] for name in names]) for k in (0, 1))
     columns: dict[str, Floats] = {
@@ -123,9 +157,13 @@ def compared_laws(
     words = [[one.name, _values(one.found)] for one in done]
     shares = {one.name: _lost_outside(one) for one in done if "air_drag" in one.name}
     lost = {name: share for name, share in shares.items() if share is not None}
-    return Compared(
-        columns, words, law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost)
-    )
+    sentences = [
+        *law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost),
+        *foretold_sentences(told, apart, names[0]),
+        *amplitude_sentences(swings_of(pairs), swings, names[0]),
+    ]
+    first = done[0]
+    return Compared(columns, words, sentences, told, first.pairs, first.parameters, first.found.named)
 
 
 def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
@@ -153,7 +191,8 @@ def _fitted(
     kept = {
         key: value
         for key, value in parameters.items()
-        if not key.startswith(damping) and any(number_at(case, key) is not None for case, _ in changed)
+        if (name == OWN or not key.startswith(damping))
+        and any(number_at(case, key) is not None for case, _ in changed)
     }
     try:
         found = fit(changed, {**kept, **own}, nuisances, coloured=False)
@@ -167,11 +206,13 @@ def _fitted(
             prediction = fit(held, {}, nuisances, coloured=False, only_nuisances=True)
     except SolveError as error:
         return str(error)
-    return _One(name, found, prediction)
+    return _One(name, changed, {**kept, **own}, found, prediction)
 
 
 def _variants(pairs: Pairs, name: str, hertz: float) -> tuple[list[tuple[Case, Any]], dict[str, Range]]:
     """Return the pairs with another law; pairs of one case share the new one."""
+    if name == OWN:
+        return list(pairs), {}
     made: dict[int, tuple[Case, dict[str, Range]]] = {}
     for case, _ in pairs:
         if id(case) not in made:
@@ -218,8 +259,13 @@ def _error(predicted: Fitted) -> float:
     return float(np.sqrt(np.mean(np.concatenate(parts) ** 2)))
 
 
+def _known(found: Fitted) -> Covariance:
+    """Return what is known of the numbers of a law, which were fitted as if noise had no colour, with its colour."""
+    return covariance(replace(found.estimate, noise=_noise(found)))
+
+
 def _values(found: Fitted) -> str:
-    known = found.known
+    known = _known(found)
     texts = []
     for k, one in enumerate(found.unknowns):
         if one.nuisance:
@@ -232,65 +278,6 @@ def _values(found: Fitted) -> str:
             f"{short} {number_text(value, value - size, value + size)}" if told else f"{short} not told"
         )
     return "; ".join(texts)
-
-
-def law_sentences(
-    names: Sequence[str],
-    aicc: Floats,
-    errors: Floats,
-    count: float,
-    lost_outside: Mapping[str, float],
-) -> list[str]:
-    """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
-
-    Args:
-        names: of the laws, the best first; aicc: Akaike's criterion less the least.
-        errors: of records left out over their noise, zeros where none was.
-        count: effective number of values.
-        lost_outside: part of the lost energy that drag took, by law.
-    """
-    out = []
-    excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
-    alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
-    few = f" ({count:.0f} effective values)"
-    if excluded:
-        out.append(f"Excluded by these data{few}: {', '.join(excluded)}.")
-    if len(alike) > 1:
-        out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
-    else:
-        out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
-    out += _outside(names, aicc, alike, lost_outside)
-    if errors.any():
-        first = int(np.argmin(errors))
-        listed = ", ".join(
-            f"{name} {errors[k] / errors[first]:.3g}" for k, name in enumerate(names) if k != first
-        )
-        more = f" (times its error: {listed})" if listed else ""
-        out.append(f"Of what was left out {names[first]} predicts best{more}.")
-    return out
-
-
-def _outside(
-    names: Sequence[str], aicc: Floats, alike: Sequence[str], lost_outside: Mapping[str, float]
-) -> list[str]:
-    """Return whether part of the damping is not the material's."""
-    out = []
-    merit = dict(zip(names, aicc, strict=True))
-    for name in alike:
-        inside = [part.strip() for part in name.split("+") if part.strip() not in OUTSIDE]
-        others = [part.strip() for part in name.split("+") if part.strip() in OUTSIDE]
-        pure = " + ".join(inside) or "elastic"
-        if not others or pure not in merit:
-            continue
-        what = " and ".join(OUTSIDE[part] for part in others)
-        share = f", {100.0 * lost_outside[name]:.2g} % of the lost energy" if name in lost_outside else ""
-        if merit[pure] - merit[name] > EXCLUDED:
-            text = f"Part of the damping is not the material's: {what} takes its part{share}; "
-            text += f"{pure} alone is excluded."
-        else:
-            text = f"These data do not tell whether {what} takes part in the damping{share}."
-        out.append(text)
-    return out
 
 
 def _lost_outside(one: _One) -> float | None:

@@ -11,9 +11,15 @@ __all__ = ["little_garbage"]
 
 @contextmanager
 def little_garbage() -> Iterator[None]:
-    """Let Python look for garbage among what is made within this context only; what is there already stays."""
-    gc.freeze()
+    """Let Python look for garbage among what is made within this context only; what is there already stays.
+
+    Where something is left out of the search already, by another context or by the user, it stays as it is.
+    """
+    mine = not gc.get_freeze_count()
+    if mine:
+        gc.freeze()
     try:
         yield
     finally:
-        gc.unfreeze()
+        if mine:
+            gc.unfreeze()

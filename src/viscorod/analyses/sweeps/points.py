@@ -99,10 +99,10 @@ def _factor(correlation: Any, size: int) -> Floats:
         raise InputError(Fault("correlation", show(correlation), why, advice))
     try:
         factor: Floats = np.linalg.cholesky(matrix)
-    except np.linalg.LinAlgError:
-        raise InputError(
-            Fault(
-                "correlation", "", "no numbers are correlated like this: it is not positive definite", advice
-            )
-        ) from None
+    except np.linalg.LinAlgError:  # numbers that are one in others have a semidefinite matrix
+        sizes, axes = np.linalg.eigh(matrix)
+        if float(sizes.min()) < -1e-9:
+            why = "no numbers are correlated like this: it is not positive definite"
+            raise InputError(Fault("correlation", "", why, advice)) from None
+        factor = axes * np.sqrt(np.maximum(sizes, 0.0))
     return factor

@@ -8,6 +8,7 @@ from viscorod.cli.damping_commands.blade_command import blade
 from viscorod.cli.damping_commands.convert_command import convert
 from viscorod.cli.damping_commands.decay_command import decay
 from viscorod.cli.damping_commands.master_command import master
+from viscorod.cli.damping_commands.modes_command import modes
 from viscorod.cli.damping_commands.program_commands import from_program, programs
 
 __all__ = ["app"]
@@ -23,3 +24,4 @@ app.command("from")(from_program)
 app.command()(blade)
 app.command()(decay)
 app.command()(master)
+app.command()(modes)

@@ -11,7 +11,7 @@ from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors
 
-__all__ = ["decay"]
+__all__ = ["column", "decay"]
 
 
 def decay(
@@ -50,8 +50,8 @@ def decay(
 
         record = Record.read(
             file,
-            _column(value),
-            time=_column(time),
+            column(value),
+            time=column(time),
             quantity=quantity,
             unit=unit,
             time_unit=time_unit,
@@ -66,6 +66,6 @@ def decay(
             typer.echo("\nWritten: " + ", ".join(map(str, written)))
 
 
-def _column(text: str) -> str | int:
+def column(text: str) -> str | int:
     """Return the number or the name of a column."""
     return int(text) if text.isdecimal() else text

@@ -8,9 +8,8 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.files import picture_at
-from viscorod.cli.options import OptionalNumber, numbers_of, output_option
+from viscorod.cli.options import OptionalNumber, output_option, pair_of
 from viscorod.cli.terminal import readable_errors
-from viscorod.errors import Fault, InputError
 
 __all__ = ["master"]
 
@@ -42,8 +41,8 @@ def master(
             files,
             reference=reference,
             vertical=vertical,
-            band=None if band is None else _pair("--band", band),
-            law_range=None if law_range is None else _pair("--law-range", law_range),
+            band=None if band is None else pair_of("--band", band),
+            law_range=None if law_range is None else pair_of("--law-range", law_range),
         )
         typer.echo(found.report())
         typer.echo("\nFor a material of a case file, with temperature (degrees C):\n")
@@ -56,13 +55,6 @@ def master(
                 picture_at(found.plot, output / "master.png"),
             ]
             typer.echo("\nWritten: " + ", ".join(map(str, written)))
-
-
-def _pair(flag: str, text: str) -> tuple[float, float]:
-    values = numbers_of(flag, text)
-    if len(values) != 2 or not values[0] < values[1]:
-        raise InputError(Fault(flag, text, "two increasing numbers are needed", f"give {flag} 0.1,10"))
-    return values[0], values[1]
 
 
 def _written(value: object) -> str:

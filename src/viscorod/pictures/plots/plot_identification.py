@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, RED, SMALL, TEXT, clean, figure, heading
+from viscorod.pictures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SMALL, TEXT, clean, figure, heading
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -20,6 +20,8 @@ __all__ = ["draw_autocorrelation", "draw_correlation", "draw_identification", "d
 
 MOST_PANELS = 8
 """Series that are drawn at most."""
+WIDE = 30.0
+"""Ratio of frequencies from which on they are drawn by their logarithms."""
 FEW = 40
 """Values of a series up to which each has a mark of its own."""
 WIDEST = 100.0
@@ -62,52 +64,63 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes | None) -> None
     )
     unit = str(data["place_unit"].values[k])
     along = {"s": "time [s]", "Hz": "frequency [Hz]", "N": "load"}.get(unit, "mode")
-    folded = bool(np.any(np.diff(place) <= 0.0))
-    if folded:
-        place, along = np.arange(1.0, len(place) + 1.0), "number of the value"
-    name = str(data["series"].values[k])
-    clean(left, along, "measured [SI]")
-    heading(left, name)
+    names = str(data["quantity"].values[k]).split(", ")
+    pieces = np.split(np.arange(len(place)), np.flatnonzero(np.diff(place) <= 0.0) + 1)
+    of_unit = str(data["quantity_unit"].values[k])
+    of_unit = f" [{of_unit}]" if of_unit not in ("", "1") else ""
+    clean(left, along, (names[0] if len(pieces) == 1 else "measured") + of_unit)
+    heading(left, str(data["series"].values[k]))
+    if right is not None:
+        clean(right, along, f"measured - model{of_unit}")
     marks = len(place) <= FEW
-    left.plot(
-        place,
-        measured,
-        color=GREY,
-        linestyle="none" if marks else "-",
-        marker="o" if marks else ".",
-        markersize=6.0 if marks else 2.5,
-        linewidth=0.6,
-        label="measured",
-    )
-    left.plot(
-        place,
-        predicted,
-        color=BLUE,
-        linewidth=1.4,
-        linestyle="none" if marks else "-",
-        marker="x" if marks else "",
-        markersize=7.0,
-        label="model",
-    )
-    for axes in (left,) if right is None else (left, right):
+    panels = (left,) if right is None else (left, right)
+    if unit == "Hz" and place.min() > 0.0 and place.max() > WIDE * place.min():
+        for axes in panels:
+            axes.set_xscale("log")
+    for number, piece in enumerate(pieces):
+        dashed = "--" if number else "-"
+        of_piece = f", {names[number]}" if len(pieces) > 1 and number < len(names) else ""
+        left.plot(
+            place[piece],
+            measured[piece],
+            color=GREY,
+            linestyle="none" if marks else "-",
+            marker="o" if marks else ".",
+            markersize=6.0 if marks else 2.5,
+            linewidth=0.6,
+            label="" if number else "measured",
+        )
+        left.plot(
+            place[piece],
+            predicted[piece],
+            color=BLUE if number == 0 else GREEN,
+            linewidth=1.4,
+            linestyle="none" if marks else dashed,
+            marker="x" if marks else "",
+            markersize=7.0,
+            label=f"model{of_piece}",
+        )
+        if right is None:
+            continue
+        right.plot(
+            place[piece],
+            (measured - predicted)[piece],
+            color=ORANGE,
+            linewidth=0.9,
+            linestyle="none" if marks else dashed,
+            marker="o" if marks else "",
+            markersize=4.0,
+        )
+        band = 1.96 * deviation[piece]
+        right.fill_between(place[piece], -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
+    if right is not None:
+        right.axhline(0.0, color=INK, linewidth=0.7)
+    if len(pieces) > 1:
+        left.legend(loc="upper left", frameon=False, fontsize=SMALL)
+    for axes in panels:
         axes.ticklabel_format(axis="y", scilimits=(-3, 4))
         if unit == "" and len(place) <= FEW:
             axes.set_xticks(place[:: max(len(place) // 10, 1)])
-    if right is None:
-        return
-    clean(right, along, "measured - model [SI]")
-    band = 1.96 * deviation
-    right.fill_between(place, -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
-    right.axhline(0.0, color=INK, linewidth=0.7)
-    right.plot(
-        place,
-        measured - predicted,
-        color=ORANGE,
-        linewidth=0.9,
-        linestyle="none" if marks else "-",
-        marker="o" if marks else "",
-        markersize=4.0,
-    )
 
 
 def draw_intervals(fit: Identification) -> Figure:

@@ -39,6 +39,8 @@ STRAIGHT = 0.005
 """Relative standard error below which the sum of squares is taken for a parabola."""
 FARTHER, FAR = float(np.log(3.0)), 12
 """Steps in which the end of the interval of such an unknown is sought, and how many."""
+VERY_FAR = float(np.log(1e6))
+"""Change of a logarithm, or of a number over its scale, at which a profile that has not risen never will."""
 SKEWED = 0.1
 """Relative difference of the sum of squares from a parabola's from which on the profile is taken."""
 
@@ -240,7 +242,7 @@ def profile_end(
 ) -> float:
     """Return where the profile of a coordinate has risen by the squared quantile, by secants of its root.
 
-    The root of the rise is nearly linear in the coordinate.
+    The root of the rise is nearly linear in the coordinate. Where the profile flattens the end is infinite.
     """
     centre, least, start = float(found.z[k]), found.square, found.z
     side = (min(bound, centre), max(bound, centre))
@@ -254,6 +256,9 @@ def profile_end(
             continue
         if abs(rise - reach) < 0.01 * reach:
             break
+        # it flattens: nothing limits the number on this side
+        if abs(place - centre) > max(VERY_FAR, 20.0 * abs(guess - centre)):
+            return float(np.sign(place - centre)) * np.inf
         slope = (rise - height) / (place - last)
         last, height = float(place), rise
         if slope * np.sign(place - centre) <= 0.0:

@@ -152,6 +152,7 @@ def estimate(
     coloured: bool = True,
     seed: int = 0,
     report: Callable[[str], None] | None = None,
+    begin: Floats | None = None,
 ) -> Estimate:
     """Seek the unknowns by which predictions come nearest to what was measured.
 
@@ -164,6 +165,7 @@ def estimate(
         coloured: whether noise may be correlated in time.
         seed: of the further starts.
         report: called with a sentence after every search.
+        begin: z of the first start, if it is not that of the unknowns ``(p,)``.
 
     Raises:
         SolveError: no start can be evaluated.
@@ -172,7 +174,7 @@ def estimate(
     first = _first_noise(series)
     found: list[tuple[float, Floats]] = []
     failed: SolveError | None = None
-    for number, start in enumerate(_starts(unknowns, starts, seed)):
+    for number, start in enumerate(_starts(unknowns, starts, seed, begin)):
         try:
             z = searched(scaled, measured, first, unknowns.bounds, start, unknowns.start, robust=robust)
             white = first.whitened(measured - scaled.values(z))
@@ -216,7 +218,7 @@ def _weighted(
             z = z + step
             predicted = scaled.values(z)
             continue
-        moved = searched(scaled, measured, noise, unknowns.bounds, z + step, unknowns.start)
+        moved = searched(scaled, measured, noise, unknowns.bounds, z + step, unknowns.start, slopes=slopes)
         if not np.array_equal(moved, z):
             z, predicted, slopes = moved, scaled.values(moved), scaled.jacobian(moved)
     return Estimate(
@@ -259,6 +261,7 @@ def searched(
     held: Floats,
     *,
     robust: bool = False,
+    slopes: Floats | None = None,
 ) -> Floats:
     """Return where the weighted sum of squares is least, from a start on.
 
@@ -267,6 +270,7 @@ def searched(
         bounds: of the coordinates; start: of the search.
         held: where those coordinates stay that the data do not tell.
         robust: let large residuals count less.
+        slopes: derivatives by z near the start ``(n, p)``, where they are known.
     """
     if not len(start):
         return start
@@ -288,12 +292,13 @@ def searched(
             white = refused
         return np.append(white, HELD * (origin + steps - held))
 
-    followed = Followed(
-        residual,
-        lambda steps: np.concatenate(
-            [noise.whitened(scaled.jacobian(origin + steps, rough=True)), HELD * np.eye(len(steps))]
-        ),
-    )
+    known = [] if slopes is None else [slopes]
+
+    def weighted(steps: Floats) -> Floats:
+        found = known.pop() if known else scaled.jacobian(origin + steps, rough=True)
+        return np.concatenate([noise.whitened(found), HELD * np.eye(len(steps))])
+
+    followed = Followed(residual, weighted)
 
     tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-5))
     found = least_squares(
@@ -317,9 +322,9 @@ def _first_noise(series: Sequence[Series]) -> Noise:
     return Noise(tuple(series), tuple(SeriesNoise(1.0) for _ in series))
 
 
-def _starts(unknowns: Unknowns, count: int, seed: int) -> list[Floats]:
+def _starts(unknowns: Unknowns, count: int, seed: int, begin: Floats | None) -> list[Floats]:
     """Return the given start and others between the bounds, or within a factor of ten of the start."""
-    start = unknowns.start
+    start = unknowns.start if begin is None else begin
     low, high = unknowns.bounds
     if count <= 1:
         return [start]

@@ -11,6 +11,8 @@ from viscorod.typing import Floats
 
 __all__ = ["Unknown", "Unknowns"]
 
+LARGEST = 690.0
+"""Logarithm of the largest number."""
 INSIDE = 1e-6
 """Part of the distance between bounds by which a start lies within them."""
 
@@ -72,7 +74,9 @@ class Unknowns:
 
     def values(self, z: Floats) -> Floats:
         """Return the values at z."""
-        return np.where(self._log, np.exp(np.where(self._log, z, 0.0)), z * self._scale)
+        powers = np.clip(np.where(self._log, z, 0.0), -LARGEST, LARGEST)  # far beyond what any case takes
+        found: Floats = np.where(self._log, np.exp(powers), z * self._scale)
+        return found
 
     def slopes(self, z: Floats) -> Floats:
         """Return the derivatives of the values by z."""

@@ -1,0 +1,75 @@
+"""What a comparison of laws says in words: what is excluded, what is not the material's, what predicts best."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+__all__ = ["EXCLUDED", "law_sentences"]
+
+EXCLUDED, ALIKE = 10.0, 4.0
+"""Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
+"""What damps outside of the material, in words."""
+
+
+def law_sentences(
+    names: Sequence[str],
+    aicc: Floats,
+    errors: Floats,
+    count: float,
+    lost_outside: Mapping[str, float],
+) -> list[str]:
+    """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
+
+    Args:
+        names: of the laws, the best first; aicc: Akaike's criterion less the least.
+        errors: of records left out over their noise, zeros where none was.
+        count: effective number of values.
+        lost_outside: part of the lost energy that drag took, by law.
+    """
+    out = []
+    excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
+    alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
+    few = f" ({count:.0f} effective values)"
+    if excluded:
+        out.append(f"Excluded by these data{few}: {', '.join(excluded)}.")
+    if len(alike) > 1:
+        out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
+    else:
+        out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
+    out += _outside(names, aicc, alike, lost_outside)
+    if errors.any():
+        first = int(np.argmin(errors))
+        listed = ", ".join(
+            f"{name} {errors[k] / errors[first]:.3g}" for k, name in enumerate(names) if k != first
+        )
+        more = f" (times its error: {listed})" if listed else ""
+        out.append(f"Of what was left out {names[first]} predicts best{more}.")
+    return out
+
+
+def _outside(
+    names: Sequence[str], aicc: Floats, alike: Sequence[str], lost_outside: Mapping[str, float]
+) -> list[str]:
+    """Return whether part of the damping is not the material's."""
+    out = []
+    merit = dict(zip(names, aicc, strict=True))
+    for name in alike:
+        inside = [part.strip() for part in name.split("+") if part.strip() not in OUTSIDE]
+        others = [part.strip() for part in name.split("+") if part.strip() in OUTSIDE]
+        pure = " + ".join(inside) or "elastic"
+        if not others or pure not in merit:
+            continue
+        what = " and ".join(OUTSIDE[part] for part in others)
+        share = f", {100.0 * lost_outside[name]:.2g} % of the lost energy" if name in lost_outside else ""
+        if merit[pure] - merit[name] > EXCLUDED:
+            text = f"Part of the damping is not the material's: {what} takes its part{share}; "
+            text += f"{pure} alone is excluded."
+        else:
+            text = f"These data do not tell whether {what} takes part in the damping{share}."
+        out.append(text)
+    return out
