@@ -8,7 +8,7 @@ from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from typing import TypeAlias
 
-from viscorod.cli.compilation_line import end_compilation_line
+from viscorod.analyses.compilation_line import end_compilation_line
 from viscorod.solve.settings.course import Course
 
 Progress: TypeAlias = Callable[[float, float], None]

@@ -14,10 +14,10 @@ from typing import Annotated
 
 import typer
 
+from viscorod.analyses.compilation_line import CompilationLine, end_compilation_line
 from viscorod.cli.animate_command import animate
 from viscorod.cli.buckling_command import buckling
 from viscorod.cli.check_command import check
-from viscorod.cli.compilation_line import CompilationLine, end_compilation_line
 from viscorod.cli.damping_commands import app as damping
 from viscorod.cli.ensemble_command import ensemble
 from viscorod.cli.example_command import example
