@@ -95,8 +95,11 @@ class AlongCurves:
     @classmethod
     def through(
         cls,
-        points: Sequence[Point],
+        points: Sequence[Point] | None = None,
         *,
+        file: str | None = None,
+        columns: Sequence[str | int] = (1, 2, 3),
+        unit: str | None = None,
         section: SectionProfile,
         material: Material | None = None,
         elements: int | None = None,
@@ -108,8 +111,10 @@ class AlongCurves:
         tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
-        """Make a rod along a smooth curve through points; see `ThroughPoints`."""
-        return cls._along(ThroughPoints, {"points": points}, locals())
+        """Make a rod along a smooth curve through points, or those of a file; see `ThroughPoints`."""
+        source = {"points": points} if file is None else {"file": file, "columns": columns, "unit": unit}
+        given = {"points": points, **source} if points is not None else source
+        return cls._along(ThroughPoints, given, locals())
 
     @classmethod
     def curve(
