@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeAlias
 
+from viscorod.checks import known_arguments
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
@@ -19,6 +20,7 @@ __all__ = ["AlongCurves"]
 Point: TypeAlias = Sequence[float]
 
 
+@known_arguments
 class AlongCurves:
     """Methods that make rods; a part of `Rod`."""
 
