@@ -121,8 +121,8 @@ from .results.run import Run as Run
 from .results.stability_result import Stability as Stability
 from .results.state_matrices import StateMatrices as StateMatrices
 from .results.steady_result import Steady as Steady
+from .results.sweep_members import SweepRun as SweepRun
 from .results.sweep_result import Sweep as Sweep
-from .results.sweep_result import SweepRun as SweepRun
 from .results.theory_comparison import TheoryComparison as TheoryComparison
 from .results.theory_comparison import TheorySolution as TheorySolution
 from .solve.settings.stages import Stage as Stage

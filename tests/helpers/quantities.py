@@ -17,3 +17,17 @@ def ends_its_process_once(result):
         mark.touch()
         os.kill(os.getpid(), signal.SIGKILL)
     return 1.0
+
+
+def scaled_tip(factor, result):
+    """Return a multiple of the deflection of the last station [m]."""
+    return factor * tip_at_end(result)
+
+
+def times_tip(factor):
+    """Return a function of a result, which takes its factor from here."""
+
+    def of_result(result):
+        return factor * tip_at_end(result)
+
+    return of_result

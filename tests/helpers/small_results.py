@@ -7,7 +7,8 @@ import viscorod as vr
 from helpers.damaged_cases import CASES
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
-from viscorod.results.sweep_result import Sweep, SweepRun
+from viscorod.results.sweep_members import SweepRun
+from viscorod.results.sweep_result import Sweep
 
 ANALYSES = {"equilibrium": {}, "path": {"points": 6}, "steady": {"spin": [0.0, 0.0, 4.0]}}
 STATES = 9

@@ -103,11 +103,12 @@ def test_a_damped_bar_changes_as_its_closed_form():
         modes.derivatives[key].damping_ratios for key in (TAU, "materials.rubber.damping.bulk_time")
     )  # of one time for both, to which ratios are proportional
     np.testing.assert_allclose(both, ratios / 0.0004, rtol=1e-7)
+    np.testing.assert_allclose(by_modulus.of(lambda modes: modes.shapes), 0.0, atol=1e-8 / 2.5e6)
     with pytest.raises(InputError, match="no derivative"):
-        by_modulus.of(lambda modes: modes.shapes)
+        by_modulus.of(lambda modes: modes.shares)
     with pytest.raises(InputError, match="derivatives are those of numbers"):
         by_modulus.report()
-    assert "mode_shape" not in by_modulus.data
+    assert "mode_share" not in by_modulus.data
 
 
 @pytest.mark.parametrize("make", [assembly, lambda: bar(elements=2)])
@@ -125,6 +126,70 @@ def test_eigenvalues_change_as_differences_say(make):
         )
         found = modes.derivatives[key].of(lambda modes: modes.eigenvalues)
         assert (np.abs(found - expected) <= 2e-8 * np.abs(s / value)).all(), key
+
+
+def test_shapes_of_modes_change_as_differences_say():
+    """Richardson-extrapolated differences, about an equilibrium that changes too; displacements and rotations."""
+    model, key = assembly(), "bodies.tip.mass"
+    modes = model.modes(3, derivatives=[key])
+
+    def shapes(found):
+        return np.stack([found.shapes, found.rotations])
+
+    expected = extrapolated(lambda v: shapes(with_values(model, {key: v}).modes(3)), 0.01, 5e-5)
+    found = modes.derivatives[key].of(shapes)
+    assert np.abs(expected).max() > 1.0
+    np.testing.assert_allclose(found, expected, atol=1e-6 * np.abs(expected).max())
+
+
+def test_stress_changes_with_the_section_that_it_is_of():
+    """Closed form: sigma = M x/(h w^3/12) at a point at x across the width; it falls with w as -3, with h as -1."""
+    model = bar(tau=0.0, elements=1)
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 1e-4, 0))
+    powers = {"rods.beam.section.width": -3.0, "rods.beam.section.height": -1.0}
+    found = model.equilibrium(derivatives=list(powers))
+
+    def stress(result):
+        return result.stress("beam.start", points=(0.008, 0.0)).stress.values[-1, 0, 2]
+
+    for key, power in powers.items():
+        by = found.derivatives[key]
+        assert by.of(stress) * by.value / stress(found) == pytest.approx(power, rel=1e-5)
+
+
+def test_a_file_keeps_derivatives(tmp_path):
+    """What is read answers as what was written, to first order, of lengths that change too; what has none stays so."""
+    model = swing()
+    keys = [E, "rods.beam.end[0]"]
+    run = model.simulate(0.02, output_interval=0.01, derivatives=keys)
+    again = vr.load(run.save(tmp_path / "run.nc"))
+    assert list(again.derivatives) == keys
+    assert "derivatives" not in again.data.attrs
+    for key in keys:
+        mine, its = run.derivatives[key], again.derivatives[key]
+        assert (its.value, its.unit) == (mine.value, mine.unit)
+        for function in (
+            lambda run: run.history("beam.end").values,
+            lambda run: run.stress("beam.start", points=(0.0, 0.0)).stress.values,
+            lambda run: run.data.station_s.values,
+        ):
+            wanted = mine.of(function)
+            np.testing.assert_allclose(its.of(function), wanted, atol=1e-8 * np.abs(wanted).max())
+    model = bar()
+    model.clamp("beam.start")
+    modes = model.modes(2, derivatives=[E])
+    again = vr.load(modes.save(tmp_path / "modes.nc"))
+    np.testing.assert_allclose(again.derivatives[E].frequencies, modes.derivatives[E].frequencies, rtol=1e-9)
+    with pytest.raises(InputError, match="no derivative"):
+        again.derivatives[E].of(lambda modes: modes.shares)
+
+
+def test_derivatives_leave_the_motion_as_it_is():
+    """Bit for bit the run without them."""
+    model = swing()
+    plain, other = (model.simulate(0.05, output_interval=0.01, derivatives=keys) for keys in ([], [TAU]))
+    np.testing.assert_array_equal(plain.data.position.values, other.data.position.values)
 
 
 def test_modes_that_fall_together_have_the_derivative_of_their_mean():

@@ -15,7 +15,9 @@ DONE = ("", "completed")
 
 def computed(jobs, workers=2):
     jobs = [{"number": k, **job} for k, job in enumerate(jobs)]
-    return in_parallel(work, jobs, workers, threading.Event(), None)
+    found = {}
+    in_parallel(work, jobs, range(len(jobs)), found, workers, threading.Event(), None)
+    return [found[k] for k in range(len(jobs))]
 
 
 def test_a_killed_member_is_tried_again_and_no_other_is_lost(tmp_path):
@@ -48,5 +50,5 @@ def test_what_cannot_be_handed_over_is_its_own_failure():
 def test_processes_that_end_before_they_begin_are_one_message(monkeypatch):
     monkeypatch.setattr("viscorod.analyses.sweep_workers._serve", os._exit)
     with pytest.raises(InputError, match="no worker process could be started"):
-        in_parallel(work, [{"number": 0}], 1, threading.Event(), None)
+        in_parallel(work, [{"number": 0}], [0], {}, 1, threading.Event(), None)
     assert not multiprocessing.active_children()

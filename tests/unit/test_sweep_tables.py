@@ -1,7 +1,9 @@
 """Sweeps as tables: products of values, named numbers, records on disk, any executor."""
 
+import itertools
 import json
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
+from functools import partial
 
 import numpy as np
 import pandas as pd
@@ -11,11 +13,15 @@ from typer.testing import CliRunner
 import viscorod as vr
 import viscorod.analyses.motion
 import viscorod.analyses.sweep
-from helpers.quantities import ends_its_process_once, tip_at_end
+from helpers.quantities import ends_its_process_once, scaled_tip, times_tip, tip_at_end
 from helpers.strip import content
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
+from viscorod.results.files.sweep_folder import SweepFolder
+from viscorod.results.function_record import function_record
+from viscorod.results.sweep_members import FoundMembers, Rows, SweepMembers
 from viscorod.solve.transient.transient_solver import Transient
 
 SHEAR = "materials.rubber.damping.shear_time"
@@ -186,7 +192,7 @@ def test_many_members_have_the_errors_of_some(held):
         patch.setattr(viscorod.analyses.sweep, "MOST_ERRORS", 3)
         some, all_of_them = vr.sweep(held, values, **given), vr.sweep(held, values, **given, errors=9)
     assert some.table()["mesh_error"].notna().to_numpy().nonzero()[0].tolist() == [0, 4, 8]
-    assert "estimated for 3 of 9 members" in some.report()
+    assert "errors are estimated for 3 of 9 members" in some.report()
     assert all_of_them.table()["mesh_error"].notna().all()
     assert all_of_them.table()["tip"].equals(some.table()["tip"])
 
@@ -413,3 +419,109 @@ value = {shape}
                   ["--executor", "none"]):  # fmt: skip
         refused = CliRunner().invoke(app, ["sweep", "strip.toml", "--set", f"{FORCE}=1e-4", *wrong])
         assert refused.exit_code == 2, refused.output
+
+
+def test_a_table_as_people_write_it(tmp_path):
+    """Comments, spaces after commas, units in heads, numbers to the last bit."""
+    path = tmp_path / "rows.csv"
+    path.write_text(
+        "\ufeff# measured on Monday\nsections.thin.height [mm], loads[0].value[1],loads[0].value\n"
+        '10, 0.1000000000000000055,"[0.0, 1e-4, 0.0]"\n12.5,0.30000000000000004,"[0.0, 2e-4, 0.0]"\n',
+        encoding="utf-8",
+    )
+    rows = rows_of(path)
+    assert list(rows.columns) == ["sections.thin.height", FORCE, "loads[0].value"]
+    assert rows[1] == {
+        "sections.thin.height": "12.5 mm", FORCE: 0.30000000000000004, "loads[0].value": [0.0, 2e-4, 0.0]
+    }  # fmt: skip
+    assert [row[FORCE] for row in rows[:2]] == [0.1, 0.30000000000000004]
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (",a\n0,1.0\n", "column 1 has no head; it may be the index"),
+        ("a,a\n1.0,2.0\n", "two columns are called a"),
+        ("a [mm],a\n1.0,2.0\n", "two columns are called a"),
+        ("a\n", "has no rows"),
+        ("", "cannot be read as a table"),
+        ("a,b\n1.0,\n", "cells of b are empty"),
+    ],
+)
+def test_tables_that_are_none(tmp_path, text, message):
+    path = tmp_path / "rows.csv"
+    path.write_text(text)
+    with pytest.raises(vr.InputError, match=message):
+        rows_of(path)
+
+
+def test_columns_are_rows_and_products():
+    """Against the product of the standard library; the last key varies fastest."""
+    grid = {"b": [1, 2], "c": ["x", "y", "z"]}
+    rows = rows_of({"a": [0.5, 1.5]}, grid, {"d": [0.0, 1.0]})
+    expected = [
+        {"a": a, "b": b, "c": c, "d": [0.0, 1.0]} for a, b, c in itertools.product([0.5, 1.5], *grid.values())
+    ]
+    assert list(rows) == rows[:] == expected
+    assert rows[-1] == expected[-1]
+    with pytest.raises(IndexError):
+        rows[12]
+    twice = pd.DataFrame([[1.0, 2.0]], columns=["a", "a"])
+    with pytest.raises(vr.InputError, match="the table has this column twice"):
+        rows_of(twice)
+
+
+@pytest.mark.parametrize(
+    ("members", "message"),
+    [(2, "a slice is needed"), (slice(7, 9), "none of the 3 members"), (slice("a"), "no numbers of members")],
+)
+def test_members_that_are_none(held, members, message):
+    with pytest.raises(vr.InputError, match=message):
+        vr.sweep(held, {FORCE: 3 * [1e-4]}, quantities={"tip": TIP}, workers=1, members=members)
+
+
+def test_functions_count_with_what_they_take_from_around_them(held, tmp_path):
+    """A folder holds numbers of another function of the same words: they are not those that are asked for now."""
+    given = {"workers": 1, "folder": tmp_path, "errors": 0}
+    found = [
+        vr.sweep(held, {FORCE: [1e-4]}, quantities={"tip": quantity}, **given).table()["tip"][0]
+        for quantity in (times_tip(1.0), times_tip(2.0), partial(scaled_tip, 3.0), partial(scaled_tip, 4.0))
+    ]
+    assert [value / found[0] for value in found] == pytest.approx([1.0, 2.0, 3.0, 4.0], rel=1e-12)
+    assert function_record(times_tip(2.0)) == function_record(times_tip(2.0))
+    assert function_record(sum) != function_record(max)  # which have no source
+
+
+def test_what_cannot_be_kept_is_no_finished_member(held, tmp_path, monkeypatch):
+    """A disk that is full for a while: the member says so, and the same call computes it again."""
+
+    def full(*_):
+        raise OSError(28, "No space left on device")
+
+    given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path}
+    with monkeypatch.context() as patch:
+        patch.setattr(SweepFolder, "add", full)
+        lost = vr.sweep(held, {FORCE: [1e-4]}, **given)
+    assert lost.members[0].outcome == "failed"
+    assert "No space left" in lost.members[0].message
+    assert vr.load(tmp_path).members[0].outcome == "not run"
+    assert vr.sweep(held, {FORCE: [1e-4]}, **given).members[0].completed
+
+
+def test_members_are_columns():
+    """What is put in comes out, missing numbers are missing, and what is kept of many does not grow with words."""
+    found = FoundMembers(4)
+    found[2] = None, "", "completed", {"a": 1.5, "way": [0.0, 1.0]}, {"steps": 3.0}
+    found[0] = None, "it broke", "failed"
+    assert (len(found), list(found), 1 in found, "x" in found) == (2, [0, 2], False, False)
+    assert found[2] == (None, "", "completed", {"a": 1.5, "way": [0.0, 1.0]}, {"steps": 3.0})
+    assert found[0] == (None, "it broke", "failed", {}, {})
+    found[2] = None, "", "completed", {"b": 2.0}, {}
+    assert found[2][3:] == ({"b": 2.0}, {})
+    del found[2]
+    with pytest.raises(KeyError):
+        found[2]
+    members = SweepMembers(Rows({"x": [1.0, 2.0, 3.0, 4.0]}, 4), found)
+    assert [member.outcome for member in members] == ["failed", "not run", "not run", "not run"]
+    assert members[-1].values == {"x": 4.0}
+    assert len(members[1:3]) == 2

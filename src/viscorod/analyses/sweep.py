@@ -6,9 +6,9 @@ import copy
 import pickle
 import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -16,7 +16,7 @@ import numpy as np
 
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.progress import counting
-from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, Found, in_parallel
+from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
@@ -30,7 +30,8 @@ from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
 from viscorod.results.sweep_figures import figures_of
-from viscorod.results.sweep_result import COMPLETED, NOT_RUN, Sweep, SweepRun
+from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found, FoundMembers, Rows, SweepMembers
+from viscorod.results.sweep_result import Sweep
 from viscorod.solve.settings.motion import SimulateSettings
 
 __all__ = ["sweep"]
@@ -43,7 +44,6 @@ LOOKED_AT = 2000
 """Members that are looked at before any is computed."""
 MOST_ERRORS = 64
 """Members whose errors are estimated unless told otherwise."""
-LEFT_OUT: Found = (None, "", NOT_RUN)
 UNFINISHED = ("interrupted", NOT_RUN)
 """Outcomes of members that are computed again by the next call."""
 
@@ -97,7 +97,7 @@ def sweep(
 
     Raises:
         InputError: a key, a value or a quantity is wrong; nothing has been computed. Of more than 2000 members only the
-            first are looked at before; wrong ones among the others have the outcome "refused".
+            first that are due are looked at before; wrong ones among the others have the outcome "refused".
         SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
     """
     if isinstance(case, ModelDescription):
@@ -114,58 +114,83 @@ def sweep(
     wanted = quantities_of(quantities or {}, case.kind, rows[0])
     keep = not wanted if fields is None else bool(fields)
     looked = _estimated(len(rows), errors, keep)
-    notes = _checked(case, rows, wanted, keep)
-    if errors is None and len(looked) < len(rows):
-        notes.append(
-            f"errors of mesh and steps are estimated for {len(looked)} of {len(rows)} members (errors)"
-        )
-    names = [""] * len(rows)
-    work = MemberWork(case.content, case.title, case.source, wanted, keep, None)
-    found: dict[int, Found] = {}
-    if folder is not None:
-        store = SweepFolder(Path(folder).absolute())
-        work = replace(work, folder=store)
+    names: list[str] = []
+    found = FoundMembers(len(rows))
+    store = None if folder is None else SweepFolder(Path(folder).absolute())
+    if store is not None:
         names = member_names(case, rows, wanted, keep)
+        store.take(names, found)
+    due = [k for k in _chosen(len(rows), members) if k not in found]
+    # what is there already was looked at before
+    notes = _checked(case, [rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])], wanted, keep)
+    if errors is None and len(looked) < len(rows):
+        notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
+    if store is not None:
         store.begin(case.title, rows, names, notes)
-        known = store.finished()
-        found = {k: store.parts(name, known[name]) for k, name in enumerate(names) if name in known}
-    due = [k for k in range(len(rows))[members or slice(None)] if k not in found]
-    jobs = [(rows[k], names[k], k in looked) for k in due]
+    work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
+    jobs = _Jobs(rows, names, looked)
 
-    def recover(numbers: Sequence[int]) -> dict[int, Found]:
-        finished = {} if work.folder is None else work.folder.finished()
-        return {
-            n: work.folder.parts(jobs[n][1], finished[jobs[n][1]])
-            for n in numbers
-            if work.folder is not None and jobs[n][1] in finished
-        }
+    def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
+        if work.folder is None:
+            return {}
+        again = FoundMembers(len(rows))
+        work.folder.take([names[k] if k in numbers else "" for k in range(len(rows))], again)
+        return again
 
     def told(done: float) -> None:
         if shown is not None:
-            shown(len(rows) - len(jobs) + done)
+            shown(len(rows) - len(due) + done)
 
     broken = ""
     showing = counting(len(rows), "members") if progress is True else nullcontext(progress or None)
     with _stopping() as stop, little_garbage(), showing as shown:
-        if not jobs:
-            computed: list[Found] = []
+        if not due:
             told(0.0)
         elif count is None:
             with opened(executor) as engine:
-                computed, broken = through(engine, work, jobs, stop, told, recover)
-        elif min(count, len(jobs)) == 1 and (executor is None or count == 1):
-            computed = _alone(work, jobs, stop, told)
+                broken = through(engine, work, jobs, due, found, stop, told, recover)
+        elif min(count, len(due)) == 1 and (executor is None or count == 1):
+            _alone(work, jobs, due, found, stop, told)
         else:
             _require_sendable(work)
-            computed = in_parallel(work, jobs, min(count, len(jobs)), stop, told)
+            in_parallel(work, jobs, due, found, min(count, len(due)), stop, told)
         stopped = stop.is_set()
-    found |= dict(zip(due, computed, strict=True))
-    runs = [SweepRun(k, row, *found.get(k, LEFT_OUT)) for k, row in enumerate(rows)]
-    result = Sweep(runs, case.title, notes)
+    result = Sweep(SweepMembers(rows, found), case.title, notes)
     if stopped or broken:
         why = broken or "The sweep was stopped"
-        raise SolveError(f"{why}; {len(result.completed)} of {len(rows)} members are done", result)
+        raise SolveError(f"{why}; {result.count_completed} of {len(rows)} members are done", result)
     return result
+
+
+class _Jobs(Sequence[tuple[Row, str, bool]]):
+    """What workers are told of each member: its values, its name, and whether its errors are estimated."""
+
+    def __init__(self, rows: Rows, names: Sequence[str], looked: set[int]) -> None:
+        self._rows, self._names, self._looked = rows, names, looked
+
+    def __len__(self) -> int:
+        return len(self._rows)
+
+    def __getitem__(self, at: Any) -> Any:
+        return self._rows[at], self._names[at] if self._names else "", at in self._looked
+
+
+def _chosen(count: int, members: slice | None) -> range:
+    """Return the numbers of the members that a call is to compute."""
+    if members is None:
+        return range(count)
+    if not isinstance(members, slice):
+        raise InputError(Fault("members", show(members), "a slice is needed here", "give slice(100, 200)"))
+    try:
+        chosen = range(count)[members]
+    except (TypeError, ValueError):
+        raise InputError(
+            Fault("members", show(members), "no numbers of members", "give slice(100, 200)")
+        ) from None
+    if not chosen:
+        why = f"none of the {count} members, which count from 0, is among them"
+        raise InputError(Fault("members", show(members), why, f"give slice(0, {count})"))
+    return chosen
 
 
 def _estimated(count: int, errors: int | None, keep: bool) -> set[int]:
@@ -181,7 +206,7 @@ def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], ke
     notes: list[str] = []
     problems: dict[tuple[str, str], Fault] = {}
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
-    for k, row in enumerate(rows[:LOOKED_AT]):
+    for k, row in enumerate(rows):
         try:
             content, note = member_content(case.content, case.source, row, keep)
             member = case_from_dict(content, case.source)
@@ -281,7 +306,11 @@ class MemberWork:
         }
         stored = result if self.keep else None
         if self.folder is not None and outcome not in UNFINISHED:
-            stored = self.folder.add(name, parts, stored)
+            try:
+                stored = self.folder.add(name, parts, stored)
+            except (OSError, InputError) as error:  # a full disk; the next call computes it again
+                why = f"it was computed, but cannot be kept in {self.folder.path} ({error})"
+                return None, why, FAILED, numbers, parts["measured"]
         return stored, *parts.values()
 
 
@@ -330,18 +359,23 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
         return None, f"{type(error).__name__}: {error}", FAILED
 
 
-def _alone(work: MemberWork, jobs: Sequence[Any], stop: threading.Event, progress: Progress) -> list[Found]:
+def _alone(
+    work: MemberWork,
+    jobs: Sequence[Any],
+    due: Sequence[int],
+    found: MutableMapping[int, Found],
+    stop: threading.Event,
+    progress: Progress,
+) -> None:
     """Compute one member after the other, in this process."""
-    found: list[Found] = []
-    for k, job in enumerate(jobs):
+    for k, number in enumerate(due):
 
         def tell(part: float, *, k: int = k) -> None:
             progress(k + part)
 
-        found.append(UNTOUCHED if stop.is_set() else work(job, tell, stop.is_set))
+        found[number] = UNTOUCHED if stop.is_set() else work(jobs[number], tell, stop.is_set)
         if not stop.is_set():
             progress(k + 1.0)
-    return found
 
 
 @contextmanager

@@ -12,22 +12,21 @@ import os
 import signal
 import threading
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, MutableMapping, Sequence
 from contextlib import contextmanager, suppress
 from multiprocessing.connection import wait
 from typing import Any, TypeAlias
 
 from viscorod.errors import InputError
+from viscorod.results.sweep_members import NOT_RUN, Found
 
-__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Found", "Work", "in_parallel"]
+__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Work", "in_parallel"]
 
-Found: TypeAlias = tuple[Any, ...]
-"""Result (or None, or its file), message and outcome of a member, then its quantities and figures if it has any."""
 Work: TypeAlias = Callable[[Any, Callable[[float], None], Callable[[], bool]], Found]
 """Computes a job, tells which part of it is done and asks whether to stop."""
 
 FAILED = "failed"
-UNTOUCHED: Found = (None, "the sweep was stopped before it", "not run")
+UNTOUCHED: Found = (None, "the sweep was stopped before it", NOT_RUN)
 TRIES = 3
 """Processes that a member may lose before it counts as failed."""
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
@@ -65,15 +64,18 @@ class _Worker:
 def in_parallel(
     work: Work,
     jobs: Sequence[Any],
+    due: Sequence[int],
+    found: MutableMapping[int, Found],
     workers: int,
     stop: threading.Event,
     progress: Callable[[float], None] | None,
-) -> list[Found]:
-    """Return what ``work`` makes of all jobs, on several processes with one thread each.
+) -> None:
+    """Do jobs on several processes with one thread each.
 
     Args:
         work: a function of a module, so that other processes find it.
-        jobs: which can be pickled.
+        jobs: which can be pickled; due: numbers of those that are to be done.
+        found: takes what ``work`` makes of them.
         workers: number of processes.
         stop: set from outside; jobs that have not begun are left out then.
         progress: called with the number of jobs done, fractions included.
@@ -83,11 +85,11 @@ def in_parallel(
     """
     context = multiprocessing.get_context("spawn")
     cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each job is; the last one stops all
-    found: dict[int, Found] = {}
-    waiting, lost = deque(range(len(jobs))), Counter[int | None]()
+    before = len(found)
+    waiting, lost = deque(due), Counter[int | None]()
     crew = [_Worker(context, work, cells) for _ in range(workers)]
     try:
-        while len(found) < len(jobs):
+        while len(found) < before + len(due):
             _look(crew, found)
             for worker in [worker for worker in crew if not worker.process.is_alive()]:
                 _look([worker], found)  # what it said last
@@ -98,7 +100,7 @@ def in_parallel(
                     crew.append(_Worker(context, work, cells))
             if stop.is_set():
                 cells[len(jobs)] = 1.0
-                found |= dict.fromkeys(waiting, UNTOUCHED)
+                found.update(dict.fromkeys(waiting, UNTOUCHED))
                 waiting.clear()
             for worker in crew:
                 if waiting and worker.ready and worker.member is None:
@@ -106,14 +108,13 @@ def in_parallel(
                     cells[number] = 0.0
                     worker.begin(number, jobs[number])
             if progress is not None and not stop.is_set():
-                progress(len(found) + sum(cells[w.member] for w in crew if w.member is not None))
+                progress(len(found) - before + sum(cells[w.member] for w in crew if w.member is not None))
     finally:
         for worker in crew:
             worker.end()
-    return [found[k] for k in range(len(jobs))]
 
 
-def _look(crew: Sequence[_Worker], found: dict[int, Found]) -> None:
+def _look(crew: Sequence[_Worker], found: MutableMapping[int, Found]) -> None:
     """Take what workers have to say, or wait a little for it."""
     by_connection: dict[Any, _Worker] = {worker.connection: worker for worker in crew}
     sentinels = [worker.process.sentinel for worker in crew]
@@ -134,7 +135,11 @@ def _look(crew: Sequence[_Worker], found: dict[int, Found]) -> None:
 
 
 def _after_death(
-    worker: _Worker, count: int, stop: threading.Event, found: dict[int, Found], waiting: deque[int]
+    worker: _Worker,
+    count: int,
+    stop: threading.Event,
+    found: MutableMapping[int, Found],
+    waiting: deque[int],
 ) -> None:
     """Decide what becomes of the member of a process that ended by itself, for the time ``count``."""
     worker.process.join()

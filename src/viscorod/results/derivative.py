@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -15,9 +15,21 @@ from viscorod.errors import InputError
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Derivative"]
+__all__ = ["Derivative", "Part"]
 
 R = TypeVar("R")
+
+
+class Part(NamedTuple, Generic[R]):
+    """A result for another value of the number.
+
+    Attributes:
+        weight: in the derivative; change: of the number; result: for it.
+    """
+
+    weight: float
+    change: float
+    result: R
 
 
 class Derivative(Generic[R]):
@@ -28,10 +40,11 @@ class Derivative(Generic[R]):
 
     Args:
         key: of the number; value: of it, in its ``unit``.
-        result: whose derivative it is; parts: weights and results.
+        result: whose derivative it is; parts: what it is the sum of.
 
     Attributes:
         notes: what is not there or not certain, in sentences.
+        parts: what it is the sum of.
     """
 
     def __init__(
@@ -40,12 +53,12 @@ class Derivative(Generic[R]):
         value: float,
         unit: str,
         result: R,
-        parts: Sequence[tuple[float, R]],
+        parts: Sequence[Part[R]],
         notes: Sequence[str] = (),
     ) -> None:
         self.key, self.value, self.unit = key, value, unit
         self.result, self.notes = result, list(notes)
-        self._parts = list(parts)
+        self.parts = list(parts)
 
     def of(self, function: Callable[[R], Any]) -> Any:
         """Return the derivative of what a function makes of the result: numbers, arrays, xarray objects.
@@ -55,7 +68,7 @@ class Derivative(Generic[R]):
         Raises:
             InputError: it has none.
         """
-        found = [(weight, function(part)) for weight, part in self._parts]
+        found = [(part.weight, function(part.result)) for part in self.parts]
         if hasattr(found[0][1], "dims"):
             return _of_data(self, function(self.result), found)
         kind = np.asarray(found[0][1]).dtype.kind

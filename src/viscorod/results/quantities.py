@@ -5,7 +5,6 @@ A sweep computes them where a member is computed, so that whole results need not
 
 from __future__ import annotations
 
-import inspect
 import math
 import shlex
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -18,6 +17,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.results.any_result import result_class
 from viscorod.results.components import STRAINS
 from viscorod.results.data_schema import AXES, LABELS, VARIABLES
+from viscorod.results.function_record import function_record
 from viscorod.results.sweep_figures import FIGURES
 
 if TYPE_CHECKING:
@@ -101,14 +101,8 @@ class Quantity:
 
     @property
     def record(self) -> str:
-        """What it is, for comparison with another one: the words, or the source of the function."""
-        if self.function is None:
-            return repr(self.words)
-        try:
-            source = inspect.getsource(self.function)
-        except (OSError, TypeError):
-            source = repr(getattr(self.function, "__code__", self.function))
-        return f"{getattr(self.function, '__qualname__', '')}: {source}"
+        """What it is, for comparison with another one: the words, or the function with what it takes from around it."""
+        return repr(self.words) if self.function is None else function_record(self.function)
 
     def of(self, result: AnyResult) -> Number:
         """Return its value.

@@ -412,8 +412,9 @@ class Result(WellNamed, Shown, ABC):
     def save(self, path: str | Path) -> Path:
         """Write everything to a netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path."""
         from viscorod.results.files.storage import write
+        from viscorod.results.files.stored_derivatives import groups_of, with_derivatives
 
-        return write(self.data, path)
+        return write(with_derivatives(self), path, groups_of(self.derivatives))
 
     @checked
     def save_paraview(self, folder: str | Path, *, sections: bool = False) -> Path:

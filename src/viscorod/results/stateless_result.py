@@ -108,8 +108,9 @@ class StatelessResult(WellNamed, Shown, ABC):
     def save(self, path: str | Path) -> Path:
         """Write it to a netCDF4 file, which ``viscorod.load`` reads; returns the path."""
         from viscorod.results.files.storage import write
+        from viscorod.results.files.stored_derivatives import groups_of, with_derivatives
 
-        return write(self.data, path)
+        return write(with_derivatives(self), path, groups_of(self.derivatives))
 
     def __reduce__(self) -> tuple[Callable[[xr.Dataset], Self], tuple[xr.Dataset]]:
         return type(self), (self.data,)

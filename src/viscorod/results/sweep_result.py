@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
@@ -16,12 +15,14 @@ from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.data_schema import DIMENSION
-from viscorod.results.files.storage import load, read, result_of, write
-from viscorod.results.quantities import HISTORY_TIMES, Number
-from viscorod.results.sweep_figures import FIGURES, figures_of, shown
+from viscorod.results.files.storage import read, result_of, write
+from viscorod.results.quantities import HISTORY_TIMES
+from viscorod.results.sweep_figures import FIGURES, shown
+from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun
 from viscorod.results.text_table import table
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from viscorod.results.any_result import AnyResult
 
 ALONG = DIMENSION | {
     "response": "frequency",
@@ -39,51 +39,10 @@ ALONG = DIMENSION | {
 }
 """Kind of a result -> dimension of its states."""
 KIND = "sweep"
-COMPLETED = "completed"
+DRAWN = 200
+"""Members in a small drawing."""
 MOST_ROWS = 60
 """Members that a report lists; a table has all."""
-NOT_RUN = "not run"
-
-
-@dataclass(frozen=True)
-class SweepRun:
-    """One run of a sweep.
-
-    Attributes:
-        number: place in the table of values, from 0.
-        values: parameter -> value, as given.
-        stored: the result, the file that it is in, or None.
-        message: why it failed, empty if it did not, and which quantities could not be computed.
-        outcome: "completed", or what stopped it.
-        quantities: the numbers that were asked for, by name; those that there are.
-        measured: cost and other figures, where the result itself is not kept.
-    """
-
-    number: int
-    values: Mapping[str, Any]
-    stored: AnyResult | Path | None = None
-    message: str = ""
-    outcome: str = COMPLETED
-    quantities: Mapping[str, Number] = field(default_factory=dict)
-    measured: Mapping[str, float] = field(default_factory=dict)
-
-    @cached_property
-    def result(self) -> AnyResult | None:
-        """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
-        if isinstance(self.stored, Path):
-            found: AnyResult | Sweep = load(self.stored)
-            assert not isinstance(found, Sweep)
-            return found
-        return self.stored
-
-    @property
-    def completed(self) -> bool:
-        """True if it was computed to its end."""
-        return self.outcome == COMPLETED
-
-    def figures(self) -> dict[str, float]:
-        """Return numbers of the result by which members are compared, see ``viscorod.results.sweep_figures``."""
-        return dict(self.measured) or figures_of(self.result)
 
 
 class Sweep(WellNamed, Shown):
@@ -95,18 +54,20 @@ class Sweep(WellNamed, Shown):
     """
 
     def __init__(self, members: Sequence[SweepRun], title: str = "", notes: Sequence[str] = ()) -> None:
-        if not isinstance(members, Sequence) or not all(isinstance(member, SweepRun) for member in members):
-            raise InputError("members: a list of SweepRun is needed here; viscorod.sweep computes one")
+        if not isinstance(members, SweepMembers):
+            if not isinstance(members, Sequence) or not all(isinstance(one, SweepRun) for one in members):
+                raise InputError("members: a list of SweepRun is needed here; viscorod.sweep computes one")
+            members = SweepMembers.of(members)
         if not isinstance(notes, Sequence):
             raise InputError(f"notes: {notes!r}: a list of texts is needed here")
-        self.members = tuple(members)
+        self.members = members
         self.title = title
         self.notes = tuple(notes)
 
     def _facts(self) -> Iterator[str]:
         yield counted(len(self.members), "member")
-        if self.failed:
-            yield f"{len(self.failed)} not completed"
+        if missing := len(self.members) - self.count_completed:
+            yield f"{missing} not completed"
         yield f"over {', '.join(self.parameters)}" if self.parameters else "no parameters"
         if self.quantities:
             yield f"quantities {', '.join(self.quantities)}"
@@ -115,9 +76,9 @@ class Sweep(WellNamed, Shown):
         """Return the first quantity over the first parameter, where both are numbers."""
         drawing = Drawing(equal=False)
         if self.parameters and self.quantities:
-            rows = [
-                (m.values[self.parameters[0]], m.quantities.get(self.quantities[0])) for m in self.completed
-            ]
+            members = (self.members[k] for k in range(min(len(self.members), DRAWN)))
+            x, y = self.parameters[0], self.quantities[0]
+            rows = [(m.values[x], m.quantities.get(y)) for m in members if m.completed]
             kept = [row for row in rows if all(isinstance(one, int | float) for one in row)]
             drawing.dots(np.array(kept, dtype=float).reshape(-1, 2))
         return drawing.svg()
@@ -125,12 +86,17 @@ class Sweep(WellNamed, Shown):
     @property
     def parameters(self) -> tuple[str, ...]:
         """The keys that were varied."""
-        return tuple(self.members[0].values) if self.members else ()
+        return tuple(self.members.rows.columns)
 
     @property
     def completed(self) -> tuple[SweepRun, ...]:
         """The members that were computed to their end."""
         return tuple(member for member in self.members if member.completed)
+
+    @property
+    def count_completed(self) -> int:
+        """How many members were computed to their end."""
+        return self.members.found.outcomes().count(COMPLETED)
 
     @property
     def failed(self) -> tuple[SweepRun, ...]:
@@ -140,13 +106,16 @@ class Sweep(WellNamed, Shown):
     @cached_property
     def separate(self) -> str:
         """The reason why ``data`` holds no fields: differences between completed members; empty if they are stacked."""
+        if not self.members.kept():
+            return ""
         results = [member.result.data for member in self.completed if member.result is not None]
         return next((text for other in results[1:] if (text := _difference(results[0], other))), "")
 
     @property
     def quantities(self) -> tuple[str, ...]:
         """Names of the numbers that were asked for, histories too."""
-        return tuple(dict.fromkeys(name for member in self.members for name in member.quantities))
+        found = self.members.found
+        return (*found.quantities, *found.histories)
 
     def table(self) -> pd.DataFrame:
         """Return one row per member, failed ones too: values, quantities, cost and other figures, outcome, message.
@@ -156,20 +125,23 @@ class Sweep(WellNamed, Shown):
         """
         import pandas as pd
 
-        columns: dict[str, list[Any]] = {
-            name: [m.values[name] for m in self.members] for name in self.parameters
-        }
-        for name in self.quantities:
-            if not any(isinstance(member.quantities.get(name), list) for member in self.members):
-                columns[name] = [member.quantities.get(name, np.nan) for member in self.members]
-        rows = [member.figures() for member in self.members]
-        for name in FIGURES:
-            if any(name in row for row in rows):
-                columns[name] = [row.get(name, np.nan) for row in rows]
-        columns["outcome"] = [member.outcome for member in self.members]
-        columns["message"] = [member.message for member in self.members]
-        index = pd.Index([member.number for member in self.members], name="member")
-        return pd.DataFrame(columns, index=index)
+        found = self.members.found
+        columns: dict[str, Any] = dict(self.members.rows.columns)
+        columns |= {name: column for name, column in found.quantities.items() if name not in found.histories}
+        columns |= self._figures()
+        columns["outcome"] = found.outcomes()
+        told = found.told()
+        columns["message"] = [told.get(k, "") for k in range(len(self.members))]
+        return pd.DataFrame(columns, index=pd.RangeIndex(len(self.members), name="member"))
+
+    def _figures(self) -> dict[str, Floats]:
+        """Return the figures of all members in columns, in their order; NaN where a member has none."""
+        columns = {name: column.copy() for name, column in self.members.found.measured.items()}
+        if self.members.kept():
+            for member in self.members:
+                for name, value in member.figures().items() if not member.measured else ():
+                    columns.setdefault(name, np.full(len(self.members), np.nan))[member.number] = value
+        return {name: columns[name] for name in FIGURES if name in columns}
 
     @cached_property
     def data(self) -> xr.Dataset:
@@ -182,26 +154,32 @@ class Sweep(WellNamed, Shown):
         """
         import xarray as xr
 
-        kept = self.completed
+        kept, known = self.completed, self.members.found
+        numbers = np.array([member.number for member in kept], dtype=np.int64)
         variables: dict[str, Any] = {}
-        coordinates: dict[str, Any] = {"member": np.array([member.number for member in kept], dtype=np.int64)}
-        for name in self.parameters:
-            coordinates[name] = ("member", _column([member.values[name] for member in kept]))
-        rows = [member.figures() for member in kept]
-        for name, figure in FIGURES.items():
-            if rows and all(name in row for row in rows):
-                attributes = {"units": figure.unit, "long_name": figure.words}
+        coordinates: dict[str, Any] = {"member": numbers}
+        for name, column in self.members.rows.columns.items():
+            coordinates[name] = ("member", _column([column[k] for k in numbers]))
+        for name, values in self._figures().items():
+            if kept and np.isfinite(values[numbers]).all():
+                attributes = {"units": FIGURES[name].unit, "long_name": FIGURES[name].words}
                 dtype = np.int64 if name == "steps" else np.float64
-                variables[name] = ("member", np.array([row[name] for row in rows], dtype), attributes)
+                variables[name] = ("member", values[numbers].astype(dtype), attributes)
         for name in self.quantities:
+            if name not in known.histories:
+                if np.isfinite(known.quantities[name][numbers]).all():
+                    variables[name] = ("member", known.quantities[name][numbers], {"long_name": name})
+                continue
             found = [member.quantities[name] for member in kept if name in member.quantities]
             if len(found) == len(kept):
-                column = np.array(found, dtype=float)
-                dims = ("member", "instant") if column.ndim == 2 else ("member",)
-                variables[name] = (dims, column, {"long_name": name})
-                if column.ndim == 2:
-                    coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
-        if kept and not self.separate and all(member.result is not None for member in kept):
+                variables[name] = (("member", "instant"), np.array(found, dtype=float), {"long_name": name})
+                coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
+        if (
+            kept
+            and self.members.kept()
+            and not self.separate
+            and all(member.result is not None for member in kept)
+        ):
             fields, axes = _stacked([member.result.data for member in kept if member.result is not None])
             variables = fields | variables
             coordinates |= axes
@@ -234,12 +212,12 @@ class Sweep(WellNamed, Shown):
             )
             for member, row in zip(listed, figures, strict=True)
         ]
-        count = f"{len(self.members)} members, {len(self.completed)} completed"
+        count = f"{len(self.members)} members, {self.count_completed} completed"
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
         if len(self.members) > MOST_ROWS:
             blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
-        told = [member for member in self.members if member.message]
-        blocks += [f"member {member.number}: {member.message}" for member in told[:MOST_ROWS]]
+        told = list(self.members.found.told().items())
+        blocks += [f"member {number}: {message}" for number, message in told[:MOST_ROWS]]
         if len(told) > MOST_ROWS:
             blocks.append(f"and {len(told) - MOST_ROWS} more messages in the table")
         blocks += self.notes

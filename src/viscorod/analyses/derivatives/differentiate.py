@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -17,7 +17,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
-from viscorod.results.derivative import Derivative
+from viscorod.results.derivative import Derivative, Part
 from viscorod.results.run import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
@@ -25,6 +25,9 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
 
@@ -104,12 +107,11 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        positions, attrs = one.system.gauss_positions(), attributes(result)
-        build = partial(dataset, kind.kind, one.problem, positions, history, attrs)
-        parts.append((one.weight, kind.later(build)))
+        parts.append(
+            Part(one.weight, one.change, kind.later(partial(_dataset, kind.kind, one, history, result)))
+        )
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
-def attributes(result: Any) -> dict[str, Any]:
-    """Return the attributes of a result for one close by."""
-    return {name: value for name, value in result.data.attrs.items() if name != "kind"}
+def _dataset(kind: str, one: Neighbour, history: History, result: Any) -> xr.Dataset:
+    return dataset(kind, one.problem, one.system.gauss_positions(), history, one.attributes(result))

@@ -13,7 +13,8 @@ from typing import Any
 import numpy as np
 from scipy import sparse
 
-from viscorod.analyses.derivatives.differentiate import attributes, record_static
+from viscorod.analyses.derivatives.differentiate import record_static
+from viscorod.analyses.derivatives.mode_shapes import ShapeRate, ShapeRates
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
@@ -21,7 +22,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError, SolveError, warn
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
-from viscorod.results.derivative import Derivative
+from viscorod.results.derivative import Derivative, Part
 from viscorod.results.modes_result import Modes
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History
@@ -40,7 +41,7 @@ ROUNDS = 4
 """Inverse iterations from an eigenvalue that is known to round-off."""
 OUTSIDE = 1e-9
 """Part of an eigenvalue by which the matrix is taken beside it: it is singular there."""
-UNKNOWN = ("mode_shape", "mode_rotation", "mode_share", "mode_residual", "mode_error")
+UNKNOWN = ("mode_share", "mode_residual", "mode_error")
 """What has no derivatives here."""
 
 
@@ -62,6 +63,14 @@ def modes_derivatives(
     pencil = Pencil.of(discrete.static, state, at)
     groups = groups_of(result.eigenvalues, result.rigid)
     vectors = [pencil.vectors(complex(np.mean(result.eigenvalues[group])), len(group)) for group in groups]
+    shapes = ShapeRates(
+        {
+            group[0]: ShapeRate(pencil.at(s), pencil.slope(s), right[:, 0])
+            for group, (s, right, _, _) in zip(groups, vectors, strict=True)
+            if len(group) == 1
+        },
+        result,
+    )
     found = {}
     for key in keys:
         neighbours = Neighbours.of(model, key, discrete)
@@ -74,13 +83,19 @@ def modes_derivatives(
 
         pencils = {id(one): Pencil.of(one.static, moved(one), at) for one in neighbours.each}
         rates = np.zeros(len(result.eigenvalues), dtype=complex)
+        moving: dict[int, np.ndarray] = {}
         for group, (s, right, left, slope) in zip(groups, vectors, strict=True):
-            changed = sum(one.weight * (pencils[id(one)].at(s) @ right) for one in neighbours.each)
+            changed = np.asarray(
+                sum(one.weight * (pencils[id(one)].at(s) @ right) for one in neighbours.each)
+            )
             rates[group] = -np.trace(np.linalg.solve(slope, left.conj().T @ changed)) / len(group)
+            if len(group) == 1:
+                moving[group[0]] = shapes.of[group[0]].change(changed[:, 0], rates[group[0]])
         histories = [History() for _ in neighbours.each]
         for one, history in zip(neighbours.each, histories, strict=True):
             record_static(one, moved(one), at, history, at.scale, discrete)
-        found[key] = _derivative(neighbours, result, histories, rates, groups)
+        near = [shapes.near(pencils[id(one)], one.change, moving) for one in neighbours.each]
+        found[key] = _derivative(neighbours, result, histories, rates, groups, near)
     return found
 
 
@@ -136,6 +151,12 @@ class Pencil:
         rates = [0.0, 1.0, 2.0 * s, *(tau / (1.0 + s * tau) ** 2 for tau in times)]
         return self._bordered(rates, held=False)
 
+    def increments(self, x: np.ndarray) -> np.ndarray:
+        """Return the body increments of all nodes ``(6 n,)`` of a vector."""
+        small = self.small
+        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        return np.asarray(small.free @ (units * x[: len(units)]))
+
     def vectors(self, s: complex, count: int) -> tuple[complex, np.ndarray, np.ndarray, np.ndarray]:
         """Return eigenvalue, right and left vectors ``(n, count)``, and what the slope is between these."""
         factors = SparseLU(sparse.csc_array(self.at(s * (1.0 + OUTSIDE)), dtype=complex))
@@ -168,22 +189,25 @@ def _derivative(
     histories: Sequence[History],
     rates: np.ndarray,
     groups: Sequence[Sequence[int]],
+    shapes: Sequence[dict[str, np.ndarray]],
 ) -> Derivative[Modes]:
     """Return the derivative from modes to first order."""
     number = neighbours.number
     parts = []
-    for one, history in zip(neighbours.each, histories, strict=True):
-        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, attributes(result))
+    for one, history, shape in zip(neighbours.each, histories, shapes, strict=True):
+        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, one.attributes(result))
         s = result.eigenvalues + one.change * rates
         kept: dict[str, Any] = {
             "mode_name": ("small_motion", result.data["mode_name"].values),
             "eigenvalue": (("small_motion", "part"), np.stack([s.real, s.imag], axis=1)),
             "part": ["real", "imaginary"],
         }
+        for name, values in shape.items():
+            kept[name] = (result.data[name].dims, values)
         for name in UNKNOWN:
             if name in result.data:
                 kept[name] = (result.data[name].dims, np.full(result.data[name].shape, np.nan))
-        parts.append((one.weight, Modes(data.assign(kept))))
+        parts.append(Part(one.weight, one.change, Modes(data.assign(kept))))
     notes = []
     several = [group for group in groups if len(group) > 1]
     if several:

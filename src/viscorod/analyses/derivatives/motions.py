@@ -1,9 +1,9 @@
 """How a motion changes with numbers of the case, with the steps that it was computed with.
 
-The model with the number a little larger and smaller goes through the same steps, from the same kind of start, with an
-iteration that goes on to round-off: what is left of the sizes of steps and of the iteration, which would hide a
-derivative in the difference of two runs, is not in these (internal numerical differentiation, Bock 1981). What they
-differ by is the derivative of the discrete equations.
+The model with the number a little larger and smaller goes through the same steps, from the same kind of start, all of
+them side by side: what is left of the sizes of steps and of the iteration, which would hide a derivative in the
+difference of two runs, is not in these (internal numerical differentiation, Bock 1981). What they differ by is the
+derivative of the discrete equations.
 """
 
 from __future__ import annotations
@@ -13,14 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.derivatives.differentiate import attributes
-from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
+from viscorod.analyses.derivatives.differentiate import derivative
+from viscorod.analyses.derivatives.neighbours import CLOSE, Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset
 from viscorod.results.derivative import Derivative
 from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
@@ -28,8 +27,7 @@ from viscorod.solve.history import History
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.start import Start
-from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.given_steps import GivenSteps, Retraced
+from viscorod.solve.transient.given_steps import Retraced, side_by_side
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.typing import Floats
@@ -37,13 +35,19 @@ from viscorod.typing import Floats
 __all__ = ["motion_derivatives"]
 
 TOLERANCE = 1e-8
-"""Of a method whose iteration goes on to a part of it: to round-off."""
+"""Of a method that has one; it does not choose steps here."""
+ROUNDING = 1e-13
+"""What iterations leave (displacement over model length, rotation in rad)."""
 ITERATIONS = 60
-FEW_STEPS = 200
+FEW_STEPS = 50
 """Steps from which on numbers change less: phases grow with the time, and with them what the scheme leaves."""
 
-LITTLE, MORE = 2e-5, 20.0
-"""Change of positions over the size of the model that is little, and how many times more a number changes then."""
+UNEVEN = ("midpoint",)
+"""Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
+LEAST, WANTED, MOST = 3e-7, 1e-5, 3e-4
+"""Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
+LARGEST = 1e-3
+"""Change of a number, as a part of it, that hardly matters."""
 
 
 def motion_derivatives(
@@ -55,36 +59,53 @@ def motion_derivatives(
 ) -> dict[str, Derivative[Run]]:
     """Return the derivatives of a motion at all its stored times."""
     _require_known(settings, run, keys)
-    part = min(1.0, FEW_STEPS / max(len(run.ends_of_steps), 1))
-    every = [Neighbours.of(model, key, discrete, part) for key in keys]
+    close = None if settings.integrator in UNEVEN else _change(len(run.ends_of_steps))
     start = _Start(discrete, settings, run)
+    every = [Neighbours.of(model, key, discrete, close) for key in keys]
+    histories = _histories(every, settings, start, run)
     found: dict[str, Derivative[Run]] = {}
-    for near in every:
-        neighbours, runs = near, _runs(near, settings, start, run)
-        if _hardly_moved(runs, discrete.problem.length):
-            neighbours = Neighbours.of(model, near.number.key, discrete, part * MORE)
-            runs = _runs(neighbours, settings, start, run)
-        number, weights = neighbours.number, [one.weight for one in neighbours.each]
-        parts = list(zip(weights, runs, strict=True))
-        found[number.key] = Derivative(number.key, number.value, number.unit, run, parts)
+    for neighbours, kept in zip(every, histories, strict=True):
+        key, moved = neighbours.number.key, _moved(kept, discrete.problem.length)
+        other = None if close is None or LEAST <= moved <= MOST else close * WANTED / max(moved, 1e-30)
+        if other is not None:
+            again = Neighbours.of(model, key, discrete, min(other, LARGEST))
+            found[key] = derivative(again, run, _histories([again], settings, start, run)[0], Run)
+        else:
+            found[key] = derivative(neighbours, run, kept, Run)
     return found
 
 
-def _runs(neighbours: Neighbours, settings: SimulateSettings, start: _Start, run: Run) -> list[Run]:
-    """Return the motions of all neighbours."""
-    found = []
-    for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
-        history = _gone_through(one, settings, state, run, neighbours.number.key)
-        found.append(
-            Run(dataset("simulate", one.problem, one.system.gauss_positions(), history, attributes(run)))
+def _change(steps: int) -> float:
+    """Return by which part of it a number changes in a motion of so many steps."""
+    return CLOSE * min(1.0, FEW_STEPS / max(steps, 1))
+
+
+def _histories(
+    every: Sequence[Neighbours], settings: SimulateSettings, start: _Start, run: Run
+) -> list[list[History]]:
+    """Return the motions of all neighbours, which go through the steps and the stored times of a run."""
+    motions, states = [], []
+    for neighbours in every:
+        for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
+            integrator = _integrator(one, settings)
+            motions.append(Retraced(one.problem, integrator, run.ends_of_steps, run.time))
+            states.append(state)
+    stuck = side_by_side(motions, states, settings.duration)
+    if stuck is not None:
+        number = motions.index(stuck)
+        keys = [neighbours.number.key for neighbours in every for _ in neighbours.each]
+        raise SolveError(
+            f"The motion has no derivative by {keys[number]}: with a slightly different number the step to "
+            f"{stuck.integrator.t:.6g} s ended as: {stuck.result.outcome.value}"
         )
-    return found
+    left = iter(motions)
+    return [[next(left).result.history for _ in neighbours.each] for neighbours in every]
 
 
-def _hardly_moved(runs: Sequence[Run], length: float) -> bool:
-    """Return whether the motions of neighbours differ so little that round-off would show in their differences."""
-    first, *others = (run.data["position"].values for run in runs)
-    return max(float(np.abs(other - first).max()) for other in others) < LITTLE * length
+def _moved(histories: Sequence[History], length: float) -> float:
+    """Return how far the motions of neighbours are apart at most, over the size of the model."""
+    first, *others = (history.states().r for history in histories)
+    return max(float(np.abs(other - first).max()) for other in others) / length
 
 
 def _require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> None:
@@ -155,21 +176,8 @@ def _free_of_load(discrete: DiscreteModel, state: State) -> bool:
     return discrete.static.loads.at(0.0, True).none and not discrete.supports.target.any()
 
 
-def _gone_through(one: Neighbour, settings: SimulateSettings, state: State, run: Run, key: str) -> History:
-    """Return the history of a neighbour with the steps and the stored times of a run."""
-    integrator = _integrator(one, settings)
-    transient = Retraced(one.problem, integrator, GivenSteps(run.ends_of_steps), run.time)
-    result = transient.run(state, settings.duration, output_interval=settings.output_interval)
-    if result.outcome is not Outcome.COMPLETED or result.history.count != len(run.time):
-        raise SolveError(
-            f"The motion has no derivative by {key}: with a slightly different number the step to "
-            f"{integrator.t:.6g} s ended as: {result.outcome.value}"
-        )
-    return result.history
-
-
 def _integrator(one: Neighbour, settings: SimulateSettings) -> Integrator:
-    """Return the integrator of a run for a neighbour, with an iteration that goes on to round-off."""
+    """Return the integrator of a run for a neighbour, with an iteration that goes on nearly to round-off."""
     method = INTEGRATORS[settings.integrator]
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)
@@ -178,6 +186,6 @@ def _integrator(one: Neighbour, settings: SimulateSettings) -> Integrator:
         given["tolerance"] = TOLERANCE
     integrator: Any = make(one.system, one.supports, **given)
     if hasattr(integrator, "iterations"):
-        integrator.iterations = ITERATIONS
+        integrator.iterations, integrator.newton_tolerance = ITERATIONS, ROUNDING
     found: Integrator = integrator
     return found

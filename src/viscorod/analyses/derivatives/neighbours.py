@@ -17,6 +17,7 @@ import numpy as np
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
 from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
+from viscorod.analyses.provenance import material_record, provenance, section_record
 from viscorod.errors import Fault, InputError
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
@@ -27,10 +28,12 @@ from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 
-__all__ = ["Neighbour", "Neighbours", "Scheme"]
+__all__ = ["CLOSE", "Neighbour", "Neighbours", "Scheme"]
 
 STEP = 1e-3
 """Change of a number, as a part of it."""
+CLOSE = 5e-5
+"""The same where few neighbours are to do."""
 ROUNDING = 1e-9
 """Part of the length of a rod by which places that are one may differ."""
 
@@ -42,11 +45,19 @@ class Scheme(NamedTuple):
     weights: tuple[float, ...]
 
 
-CENTRAL = Scheme((1.0, -1.0, 0.5, -0.5), (-1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0))
-"""Two central differences, extrapolated."""
-ABOVE = Scheme((0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25))
-BELOW = Scheme(tuple(-x for x in ABOVE.places), tuple(-w for w in ABOVE.weights))
-"""Differences to one side."""
+def _to_one_side(places: tuple[float, ...], weights: tuple[float, ...]) -> tuple[Scheme, Scheme]:
+    """Return a difference to larger numbers, and its reflection."""
+    below = Scheme(tuple(-x for x in places), tuple(-w for w in weights))
+    return Scheme(places, weights), below
+
+
+MANY = (
+    Scheme((1.0, -1.0, 0.5, -0.5), (-1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0)),
+    *_to_one_side((0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25)),
+)
+"""Two central differences, extrapolated; five points to one side."""
+FEW = (Scheme((1.0, -1.0), (0.5, -0.5)), *_to_one_side((0.0, 1.0, 2.0), (-1.5, 2.0, -0.5)))
+"""A central difference; three points to one side."""
 
 
 @dataclass(frozen=True)
@@ -81,6 +92,14 @@ class Neighbour:
         """What finds its equilibria."""
         return self.discrete.static
 
+    def attributes(self, result: Any) -> dict[str, Any]:
+        """Return the attributes of a result for this one: its materials and sections are its own."""
+        own = provenance(self.discrete.model, "", {})["case"]
+        kept = {name: value for name, value in result.data.attrs.items() if name != "kind"}
+        known = material_record(self.discrete.model)
+        sections = section_record(self.discrete.model, self.system.gauss_positions())
+        return kept | known | sections | {"case": own}
+
 
 class Neighbours(NamedTuple):
     """All that a derivative by one number is made of."""
@@ -89,12 +108,14 @@ class Neighbours(NamedTuple):
     each: tuple[Neighbour, ...]
 
     @classmethod
-    def of(cls, model: ModelDescription, key: str, discrete: DiscreteModel, close: float = 1.0) -> Neighbours:
+    def of(
+        cls, model: ModelDescription, key: str, discrete: DiscreteModel, few: float | None = None
+    ) -> Neighbours:
         """Make them beside a discretised model.
 
         Args:
             model: as its user made it; key: of the number; discrete: the same on its mesh.
-            close: factor of the change of the number.
+            few: change of the number, as a part of it, of few neighbours; by default there are many.
 
         Raises:
             InputError: there is no such number, or it changes the mesh, what is connected, or when loads jump.
@@ -102,8 +123,9 @@ class Neighbours(NamedTuple):
         number = CaseNumber.of(model, key)
         size = number.size or natural_size(number.unit, discrete.problem)
         refused: InputError | None = None
-        for scheme, part in ((CENTRAL, 1.0), (CENTRAL, 0.01), (ABOVE, 1.0), (BELOW, 1.0)):
-            step = part * close * STEP * size
+        central, above, below = MANY if few is None else FEW
+        for scheme, part in ((central, 1.0), (central, 0.01), (above, 1.0), (below, 1.0)):
+            step = part * (few or STEP) * size
             try:
                 found = [_made(discrete, number, step * place) for place in scheme.places]
             except InputError as error:

@@ -18,7 +18,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.linear_about import linear_about, placed_outputs
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.derivative import Derivative
+from viscorod.results.derivative import Derivative, Part
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear_systems.harmonic_response import HarmonicResponse
@@ -135,5 +135,5 @@ def _derivative(
             pole=(("mode", "part"), np.column_stack([poles.real, poles.imag])),
             residue=(result.data["residue"].dims, np.full(result.data["residue"].shape, np.nan)),
         )
-        parts.append((one.weight, near))
+        parts.append(Part(one.weight, one.change, near))
     return Derivative(number.key, number.value, number.unit, result, parts)

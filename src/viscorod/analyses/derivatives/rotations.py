@@ -13,7 +13,7 @@ from viscorod.analyses.start_state import StartState
 from viscorod.analyses.steady import steady_rotation
 from viscorod.errors import InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.derivative import Derivative
+from viscorod.results.derivative import Derivative, Part
 from viscorod.results.steady_result import Steady
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.start import Start
@@ -42,6 +42,6 @@ def steady_derivatives(
                     f"The steady rotation has no derivative by {key}: it was not found for a slightly different "
                     f"number. {error}"
                 ) from None
-            parts.append((one.weight, near))
+            parts.append(Part(one.weight, one.change, near))
         found[key] = Derivative(number.key, number.value, number.unit, result, parts)
     return found

@@ -13,17 +13,18 @@ import os
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
 from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeAlias
 
 from viscorod.analyses.one_thread import one_blas_thread
-from viscorod.analyses.sweep_workers import FAILED, TRIES, UNTOUCHED, Found, Work
+from viscorod.analyses.sweep_workers import FAILED, TRIES, UNTOUCHED, Work
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.results.sweep_members import Found
 
 __all__ = ["Recover", "opened", "processes_of", "through"]
 
@@ -102,23 +103,27 @@ def through(
     executor: Executor,
     work: Work,
     jobs: Sequence[Any],
+    due: Sequence[int],
+    found: MutableMapping[int, Found],
     stop: threading.Event,
     progress: Callable[[float], None] | None,
     recover: Recover,
-) -> tuple[list[Found], str]:
-    """Return what ``work`` makes of all jobs, and why the executor gave up; empty if it did not.
+) -> str:
+    """Do jobs on an executor; returns why it gave up, empty if it did not.
 
     Args:
         executor: whose workers can import this package.
         work: that can be sent to them.
-        jobs: likewise.
+        jobs: likewise; due: numbers of those that are to be done.
+        found: takes what ``work`` makes of them.
         stop: set from outside; what has not begun is left out then.
         progress: called with the number of jobs done.
         recover: returns what jobs left on disk.
     """
-    task = _Tasks(executor, work, jobs, stop, recover)
+    before = len(found)
+    task = _Tasks(executor, work, jobs, stop, recover, deque(due), found)
     try:
-        while len(task.found) < len(jobs):
+        while len(found) < before + len(due):
             if stop.is_set():
                 task.cancel()
                 if not task.running:
@@ -127,29 +132,41 @@ def through(
                 task.submit()
             task.collect()
             if progress is not None:
-                progress(float(len(task.found)))
+                progress(float(len(found) - before))
     except BrokenExecutor as error:
         task.take_from_disk()
-        return task.all(), f"the executor gave up ({type(error).__name__}: {str(error)[:200]})"
+        why = f"the executor gave up ({type(error).__name__}: {str(error)[:200]})"
     except BaseException:
         task.cancel()
         raise
-    return task.all(), ""
+    else:
+        why = ""
+    for number in due:
+        if number not in found:
+            found[number] = UNTOUCHED
+    return why
 
 
 class _Tasks:
     """Batches of members that run, wait, and are done."""
 
     def __init__(
-        self, executor: Executor, work: Work, jobs: Sequence[Any], stop: threading.Event, recover: Recover
+        self,
+        executor: Executor,
+        work: Work,
+        jobs: Sequence[Any],
+        stop: threading.Event,
+        recover: Recover,
+        waiting: deque[int],
+        found: MutableMapping[int, Found],
     ) -> None:
         self._executor, self._jobs, self._recover = executor, jobs, recover
         # a thread sees the event itself; other processes end the batch that they are at
         stopped = stop.is_set if isinstance(executor, ThreadPoolExecutor) else _never
         self._batch = partial(_compute_batch, work, stopped)
-        self.found: dict[int, Found] = {}
+        self.found = found
         self.running: dict[Future[Any], list[int]] = {}
-        self._waiting, self._apart = deque(range(len(jobs))), deque[int]()
+        self._waiting, self._apart = waiting, deque[int]()
         self._tries = Counter[int]()
         self._slots = _workers_of(executor)
         self._seconds, self._done = 0.0, 0
@@ -192,12 +209,12 @@ class _Tasks:
             except Exception as error:  # a worker was lost, or what it sent cannot be read
                 self._lost(batch, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}")
             else:
-                self.found |= dict(zip(batch, results, strict=True))
+                self.found.update(zip(batch, results, strict=True))
                 self._seconds, self._done = self._seconds + seconds, self._done + len(batch)
             del self.running[future]
 
     def _lost(self, batch: Sequence[int], why: str) -> None:
-        self.found |= self._recover(batch)
+        self.found.update(self._recover(batch))
         for member in batch:
             if member in self.found:
                 continue
@@ -217,12 +234,8 @@ class _Tasks:
 
     def take_from_disk(self) -> None:
         """Take what members left on disk that were under way."""
-        self.found |= self._recover([k for batch in self.running.values() for k in batch])
+        self.found.update(self._recover([k for batch in self.running.values() for k in batch]))
         self.running.clear()
-
-    def all(self) -> list[Found]:
-        """Return what is known of all members."""
-        return [self.found.get(k, UNTOUCHED) for k in range(len(self._jobs))]
 
 
 def _never() -> bool:

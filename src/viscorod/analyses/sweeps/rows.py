@@ -2,14 +2,17 @@
 
 from __future__ import annotations
 
-import itertools
+import math
+import re
 import tomllib
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeAlias
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.results.sweep_members import Rows
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -23,12 +26,13 @@ if TYPE_CHECKING:
 else:
     Values = Any
 
+_UNIT = re.compile(r"(.*\S)\s+\[([^\[\]]+)\]")
 _ADVICE = "give a key of the case file with a list of values: {'rods.beam.elements': [1, 2, 4]}"
 
 
 def rows_of(
     values: Values | None, grid: Columns | None = None, constants: Mapping[str, Any] | None = None
-) -> list[Row]:
+) -> Rows:
     """Return the values of every member, plain numbers, texts and lists.
 
     Args:
@@ -41,26 +45,36 @@ def rows_of(
     """
     if values is None and grid is None:
         raise InputError(Fault("values", "", "there is nothing to vary", _ADVICE))
-    rows = [{}] if values is None else _rows(values)
+    varied, count = ({}, 1) if values is None else _varied(values)
     crossed = {} if grid is None else _columns(grid)
     same = {} if constants is None else {str(key): _plain(value) for key, value in constants.items()}
-    keys = [*rows[0], *crossed, *same]
+    keys = [*varied, *crossed, *same]
     for key in keys:
         if keys.count(key) > 1:
             why = "the key is given twice, among values, grid and constants"
             raise InputError(Fault(key, "", why, "leave one of them out"))
-    combinations = [dict(zip(crossed, found, strict=True)) for found in itertools.product(*crossed.values())]
-    rows = [row | combination | same for row in rows for combination in combinations]
-    if not rows or not rows[0]:
+    if not keys:
         raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
-    return rows
+    inner = math.prod(map(len, crossed.values()))
+    columns = {key: [value for value in column for _ in range(inner)] for key, column in varied.items()}
+    each = inner
+    for key, column in crossed.items():
+        each //= len(column)
+        times = count * inner // (each * len(column))
+        columns[key] = [value for value in column for _ in range(each)] * times
+    columns |= {key: [value] * (count * inner) for key, value in same.items()}
+    return Rows(columns, count * inner)
 
 
-def _rows(values: Any) -> list[Row]:
+def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
+    """Return columns that vary together, and how long they are."""
     if isinstance(values, str | Path):
         values = _table(Path(values))
     if hasattr(values, "to_dict") and hasattr(values, "columns"):
-        values = values.to_dict("records")
+        if not values.columns.is_unique:
+            twice = str(values.columns[values.columns.duplicated()][0])
+            raise InputError(Fault(twice, "", "the table has this column twice", "leave one of them out"))
+        values = {str(key): values[key].tolist() for key in values.columns}
     if isinstance(values, Mapping):
         columns = _columns(values)
         lengths = {key: len(column) for key, column in columns.items()}
@@ -70,18 +84,19 @@ def _rows(values: Any) -> list[Row]:
                 found, why = f"{length} values", f"{first} has {count}; they vary together"
                 instead = "give every key one value per member, or every combination with grid"
                 raise InputError(Fault(key, found, why, instead))
-        rows = [{key: column[k] for key, column in columns.items()} for k in range(count)]
     else:
         if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
             raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
-        rows = [{str(key): _plain(value) for key, value in row.items()} for row in values]
-        for k, row in enumerate(rows):
-            if list(row) != list(rows[0]):
-                found, why = f"the keys {', '.join(row)}", f"the first member has {', '.join(rows[0])}"
+        for k, row in enumerate(values):
+            if list(row) != list(values[0]):
+                found = f"the keys {', '.join(map(str, row))}"
+                why = f"the first member has {', '.join(map(str, values[0]))}"
                 raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
-    if not rows or not rows[0]:
+        count = len(values)
+        columns = {str(key): [_plain(row[key]) for row in values] for key in (values[0] if values else ())}
+    if not columns or not count:
         raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
-    return rows
+    return columns, count
 
 
 def _columns(values: Any) -> dict[str, Sequence[Any]]:
@@ -98,27 +113,59 @@ def _plain(value: Any) -> Any:
     return value.tolist() if hasattr(value, "tolist") else value
 
 
-def _table(path: Path) -> pd.DataFrame:
-    """Read a table whose heads are keys; cells in [brackets] are lists as in a case file."""
+def _table(path: Path) -> dict[str, Sequence[Any]]:
+    """Read a table whose heads are keys, with a unit if they have one: "rods.beam.length [mm]".
+
+    Cells in [brackets] are lists as in a case file; lines that begin with # are comments.
+    """
     import pandas as pd
 
     try:
-        table = pd.read_csv(path)
-    except (OSError, ValueError) as error:
+        table = pd.read_csv(
+            path, comment="#", header=None, dtype=str, skipinitialspace=True, encoding="utf-8-sig"
+        )
+        heads = [str(head).strip() for head in table.iloc[0].fillna("")]
+        table = table.iloc[1:]
+    except (OSError, ValueError, IndexError) as error:
         why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"
         instead = "give a CSV file whose first line has keys of the case file"
         raise InputError(Fault("values", str(path), why, instead)) from None
-    gaps = [str(name) for name in table.columns if table[name].isna().any()]
+    if "" in heads:
+        why = f"column {heads.index('') + 1} has no head; it may be the index that pandas writes"
+        raise InputError(Fault("values", str(path), why, "write it with to_csv(path, index=False)"))
+    keys = [_UNIT.sub(r"\1", head) for head in heads]
+    for key in keys:
+        if keys.count(key) > 1:
+            why = f"two columns are called {key}"
+            raise InputError(Fault("values", str(path), why, "leave one of them out"))
+    table.columns = pd.Index(heads)
+    gaps = [name for name in heads if table[name].isna().any()]
     if gaps or not len(table):
         why = f"cells of {', '.join(gaps)} are empty" if gaps else "the table has no rows"
         raise InputError(Fault("values", str(path), why, "give every member a value of every key"))
-    return table.map(_cell)
+    found: dict[str, Sequence[Any]] = {}
+    for key, head in zip(keys, heads, strict=True):
+        unit, column = _UNIT.fullmatch(head), _numbers(table[head].tolist())
+        found[key] = [f"{value} {unit[2]}" for value in column] if unit else column
+    return found
 
 
-def _cell(value: Any) -> Any:
-    if isinstance(value, str) and value.lstrip().startswith("["):
+def _numbers(texts: Sequence[str]) -> Sequence[Any]:
+    """Return the cells of a column: whole numbers if all are, numbers if all are, else each as it may be read."""
+    for kind in (int, float):
         try:
-            return tomllib.loads(f"value = {value}")["value"]
+            return [kind(text) for text in texts]
+        except ValueError:
+            continue
+    return [_cell(text.strip()) for text in texts]
+
+
+def _cell(text: str) -> Any:
+    with suppress(ValueError):
+        return float(text)
+    if text.startswith("[") or text in ("true", "false"):
+        try:
+            return tomllib.loads(f"value = {text}")["value"]
         except tomllib.TOMLDecodeError:
-            return value
-    return value
+            return text
+    return text

@@ -244,7 +244,12 @@ def _opened(path: str | Path) -> AnyResult | Sweep:
         from viscorod.results.sweep_result import Sweep
 
         return (Ensemble if "ensemble" in data.attrs else Sweep).of(data, Path(path))
-    return result_of(data, Path(path))
+    result = result_of(data, Path(path))
+    if "derivatives" in data.attrs:
+        from viscorod.results.files.stored_derivatives import read_derivatives
+
+        result.derivatives = read_derivatives(result, Path(path))
+    return result
 
 
 def result_of(data: xr.Dataset, path: Path) -> AnyResult:

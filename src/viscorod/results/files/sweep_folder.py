@@ -11,7 +11,7 @@ import json
 import os
 import socket
 import threading
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -20,7 +20,8 @@ import numpy as np
 
 from viscorod.errors import InputError, reading
 from viscorod.results.ensemble import Design, Ensemble
-from viscorod.results.sweep_result import NOT_RUN, Sweep, SweepRun
+from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
+from viscorod.results.sweep_result import Sweep
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -48,17 +49,15 @@ class SweepFolder:
         with replacing(self.path / DESIGN, needs=len(design), instead="name another folder") as new:
             new.write_text(design, encoding="utf-8")
 
-    def begin(
-        self, title: str, rows: Sequence[Mapping[str, Any]], names: Sequence[str], notes: Sequence[str]
-    ) -> None:
+    def begin(self, title: str, rows: Rows, names: Sequence[str], notes: Sequence[str]) -> None:
         """Say what the members are, before any is computed.
 
         Raises:
             InputError: the folder cannot be written.
         """
-        columns = {key: [row[key] for row in rows] for key in rows[0]}
         text = json.dumps(
-            {"title": title, "notes": list(notes), "names": list(names), "values": columns}, default=plain
+            {"title": title, "notes": list(notes), "names": list(names), "values": rows.columns},
+            default=plain,
         )
         try:
             (self.path / MEMBERS).mkdir(parents=True, exist_ok=True)
@@ -79,9 +78,26 @@ class SweepFolder:
             lines.write(f"\n{line}\n")  # what was torn off before it stays a line of its own
         return file
 
-    def finished(self) -> dict[str, dict[str, Any]]:
-        """Return what was found of all members that are finished, by name; lines that were cut off do not count."""
-        found: dict[str, dict[str, Any]] = {}
+    def take(self, names: Sequence[str], found: FoundMembers) -> None:
+        """Take what was found of the members with these names; lines that were cut off do not count.
+
+        Raises:
+            InputError: the record of one is damaged.
+        """
+        places: dict[str, int | list[int]] = {}
+        for number, name in enumerate(names):
+            if name in places:  # members with the same values
+                before = places[name]
+                places[name] = [*(before if isinstance(before, list) else [before]), number]
+            else:
+                places[name] = number
+        for name, record in self._finished():
+            place = places.get(name, []) if name else []
+            for number in place if isinstance(place, list) else [place]:
+                found[number] = self._parts(name, record)
+
+    def _finished(self) -> Iterator[tuple[str, dict[str, Any]]]:
+        """Yield names and records of all members that are finished."""
         for file in sorted((self.path / MEMBERS).glob("*.jsonl")):
             with file.open(encoding="utf-8", errors="replace") as lines:
                 for line in lines:
@@ -90,11 +106,10 @@ class SweepFolder:
                             record = json.loads(line)
                         except ValueError:
                             continue
-                        found[str(record.pop("name", ""))] = record
-        return found
+                        yield str(record.pop("name", "")), record
 
-    def parts(self, name: str, record: Mapping[str, Any]) -> tuple[Any, ...]:
-        """Return what was recorded of a member: file or None, message, outcome, quantities, figures.
+    def _parts(self, name: str, record: Mapping[str, Any]) -> Found:
+        """Return what was recorded of a member.
 
         Raises:
             InputError: its record is damaged.
@@ -124,18 +139,15 @@ class SweepFolder:
             try:
                 about = json.loads(path.read_text(encoding="utf-8"))
                 names, columns = about["names"], about["values"]
-                rows = [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
-                if len(rows) != len(names):
+                if {len(column) for column in columns.values()} != {len(names)}:
                     raise ValueError("names and values differ in number")
             except (KeyError, TypeError, ValueError, AttributeError) as error:
                 raise InputError(
                     f"{path} is damaged ({error}); compute the sweep again in its folder"
                 ) from None
-        found = self.finished()
-        members = [
-            SweepRun(k, row, *(self.parts(name, found[name]) if name in found else (None, "", NOT_RUN)))
-            for k, (row, name) in enumerate(zip(rows, names, strict=True))
-        ]
+        found = FoundMembers(len(names))
+        self.take(names, found)
+        members = SweepMembers(Rows(columns, len(names)), found)
         notes = [str(note) for note in about.get("notes", [])]
         sweep = Sweep(members, str(about.get("title", "")), notes)
         record = self.path / DESIGN

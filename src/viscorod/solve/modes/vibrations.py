@@ -162,20 +162,26 @@ def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tu
         problem: whose stations they are; state: about which it moves.
         increments: body increments of the nodes ``(6 n, modes)``.
     """
-    reader = StationReader(problem)
-    count = len(reader.nodes)
-    shapes = np.zeros((increments.shape[1], count, 3), dtype=complex)
-    rotations = np.zeros_like(shapes)
-    for k, vector in enumerate(increments.T):
-        parts = []
-        for part in (vector.real, vector.imag):
-            parts.append(reader.read(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))[2:])
-        shape = parts[0][0] + 1j * parts[1][0]
-        turn = parts[0][1] + 1j * parts[1][1]
+    shapes, rotations = station_motions(problem, state, increments)
+    for k, (shape, turn) in enumerate(zip(shapes, rotations, strict=True)):
         peak = shape.ravel()[np.argmax(np.abs(shape))]
         if np.abs(peak) < TWISTING * problem.length * np.abs(turn).max():
             peak = turn.ravel()[np.argmax(np.abs(turn))]
         if peak == 0.0:  # only bodies move
             peak = 1.0
         shapes[k], rotations[k] = shape / peak, turn / peak
+    return shapes, rotations
+
+
+def station_motions(problem: Problem, state: State, increments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return what :func:`station_shapes` does, not scaled."""
+    reader = StationReader(problem)
+    shapes = np.zeros((increments.shape[1], len(reader.nodes), 3), dtype=complex)
+    rotations = np.zeros_like(shapes)
+    for k, vector in enumerate(increments.T):
+        parts = []
+        for part in (vector.real, vector.imag):
+            parts.append(reader.read(state.r, state.q, np.ascontiguousarray(part).reshape(-1, 6))[2:])
+        shapes[k] = parts[0][0] + 1j * parts[1][0]
+        rotations[k] = parts[0][1] + 1j * parts[1][1]
     return shapes, rotations

@@ -1,4 +1,4 @@
-"""A motion with steps and stored times that are known from another one."""
+"""Motions with steps and stored times that are known from another one, of one model or of several side by side."""
 
 from __future__ import annotations
 
@@ -6,12 +6,17 @@ from collections.abc import Sequence
 
 import numpy as np
 
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import History
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.company import Company
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
-from viscorod.solve.transient.transient_solver import Transient
+from viscorod.solve.transient.transient_solver import Transient, TransientResult
 from viscorod.typing import Floats
 
-__all__ = ["GivenSteps", "Retraced"]
+__all__ = ["GivenSteps", "Retraced", "side_by_side"]
 
 
 class GivenSteps:
@@ -55,15 +60,59 @@ class Retraced(Transient):
     """Goes through given steps and records given times.
 
     Args:
-        problem, integrator: what moves; steps: its steps; times: to be recorded [s], the first one 0.
+        problem, integrator: what moves; ends: of its steps [s]; times: to be recorded [s], the first one 0.
     """
 
-    def __init__(self, problem: Problem, integrator: Integrator, steps: GivenSteps, times: Floats) -> None:
-        super().__init__(problem, integrator, steps, str)
+    def __init__(
+        self, problem: Problem, integrator: Integrator, ends: Sequence[float] | Floats, times: Floats
+    ) -> None:
+        super().__init__(problem, integrator, GivenSteps(ends), str)
         self._times = times
+
+    def open(self, state: State, duration: float) -> None:
+        """Begin in ``state`` (overwritten) a motion that lasts for ``duration`` [s]."""
+        self.duration, self._patient = duration, False
+        self.result = TransientResult(History(), effort=self.effort, notes=self.notes)
+        self.begin(state)
+
+    def step(self, corner: float) -> bool:
+        """Take the next step, before or to the time ``corner`` [s]; False if the run ends."""
+        return self._take_one(corner)
+
+    @property
+    def complete(self) -> bool:
+        """Whether it went through all steps and recorded all times."""
+        return self.result.outcome is Outcome.COMPLETED and self.result.history.count == len(self._times)
 
     def _record_times(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
         del output_interval, final
         slack = 1e-9 * (end - t)
         first, last = np.searchsorted(self._times, [t + slack, end + slack], side="right")
         return [float(at) for at in self._times[first:last]]
+
+
+def side_by_side(motions: Sequence[Retraced], states: Sequence[State], duration: float) -> Retraced | None:
+    """Let models that differ little move through the same steps; return the one that did not come to the end, if any.
+
+    Args:
+        motions: that have not begun; the first one leads, see ``integrators.company``.
+        states: that they begin in (overwritten); duration: of all [s].
+    """
+    first, *others = motions
+    if isinstance(first.integrator, Collocation):
+        company = Company(first.integrator)
+        for one in others:
+            if isinstance(one.integrator, Collocation):
+                company.join(one.integrator)
+    for one, state in zip(motions, states, strict=True):
+        one.open(state, duration)
+    corners, jumps = first.corners(0.0, duration)
+    for corner in corners:
+        while first.integrator.t < corner:
+            for one in motions:
+                if not one.step(corner):
+                    return one
+        if corner in jumps:
+            for one in motions:
+                one.restart(corner)
+    return next((one for one in motions if not one.complete), None)

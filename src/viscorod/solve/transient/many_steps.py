@@ -105,6 +105,7 @@ class ManySteps:
             lent.parts,
             lent.reading,
             predictor.gap,
+            predictor.others,
         )
         self._systems = loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
         rows = MOST_ROWS

@@ -26,6 +26,7 @@ from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
+from viscorod.solve.transient.integrators.company import Company
 from viscorod.solve.transient.integrators.contract import Inside, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
 from viscorod.solve.transient.integrators.predictor import Predictor
@@ -81,6 +82,9 @@ class Collocation:
     iterations = 12
     """Allowed iterations per step."""
 
+    company: Company | None = None
+    """Others that take the same steps."""
+
     def __init__(
         self, system: System, supports: SupportState, tableau: Tableau, newton_tolerance: float
     ) -> None:
@@ -105,13 +109,13 @@ class Collocation:
         self.forces = system.element_forces(body.elements, stages)
         if driven:
             self.forces.take_rest(self.stages.rest, self.stages.rest_rate)
-        self.predictor = Predictor(body, self.stages, tableau)
+        self.predictor = Predictor(body, self.stages, tableau, system.matrix.plan.unknowns.others)
         self.stage_constraints = (
             StageConstraints(system.constraints, tableau) if problem.constrained else None
         )
         memory = system.relaxation
         self.dashpots = None if memory is None else StageDashpots(memory, body, tableau)
-        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.dashpots)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, system.matrix.plan, self.dashpots)
         self.recorder = StepRecorder(
             body,
             self.actions.motion,
@@ -181,6 +185,8 @@ class Collocation:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         h, self._end = end - self.t, end
         links = self.stage_constraints
+        if self.company is not None and (together := self.company.begin(self)) is not None:
+            self._have_jacobian = together
         if links is not None and links.turn_axes(self.t, self.state):
             self._have_jacobian = False
         self.prepare_step(end, before)
@@ -188,7 +194,7 @@ class Collocation:
             self.system.constraints.pace = self.tableau.real / h
             self.renew_jacobian()
         # equal steps differ by the rounding of their ends
-        if abs(h - self._factor_step) > 1e-9 * h and not self._factorise(h):
+        if not self.factors_of(h) and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.systems.provide()
         self.predictor.predict(self.state, self._stress, h)
@@ -196,6 +202,8 @@ class Collocation:
             self.stage_constraints.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
+        if self.company is not None:
+            self.company.correct(self)
         code, count, size, rate, unknown, error, worst = self.trying.call(*self.step_arguments(h))
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
@@ -206,7 +214,7 @@ class Collocation:
             return StepReport(Outcome.CONVERGED, count, size, 0.0, node, error, rate, component)
         node, component = divmod(unknown, 6)
         self._rate = 1.0
-        if not self._fresh_jacobian:
+        if not self._fresh_jacobian or (self.company is not None and self.company.helped(self)):
             self._have_jacobian = False
             return self.attempt(end, before=before).after(count)
         if self.stage_constraints is not None:
@@ -497,8 +505,18 @@ class Collocation:
         self._factor_step = 0.0
         self.jacobians += 1
 
+    def forget_jacobian(self) -> None:
+        """Let the next step begin with a new Jacobian."""
+        self._have_jacobian = False
+
+    def factors_of(self, h: float) -> bool:
+        """Return whether the factors are those of a step of ``h`` [s]."""
+        return abs(h - self._factor_step) <= 1e-9 * h
+
     def _factorise(self, h: float) -> bool:
         """Factorise the real and the complex matrix for the step ``h``; False if one is singular."""
         self._factor_step = h
+        if self.company is not None and self.company.lends_factors(self, h):
+            return True
         self.factorisations += 1
         return self.systems.factorise(self.matrices, h)

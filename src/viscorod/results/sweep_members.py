@@ -1,0 +1,230 @@
+"""The members of a sweep, kept as columns: a million of them take some hundred bytes each."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from dataclasses import dataclass, field
+from functools import cached_property
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeAlias, cast, overload
+
+import numpy as np
+
+from viscorod.results.files.storage import load
+from viscorod.results.quantities import Number
+from viscorod.results.sweep_figures import figures_of
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.results.any_result import AnyResult
+
+__all__ = ["COMPLETED", "NOT_RUN", "Found", "FoundMembers", "Rows", "SweepMembers", "SweepRun"]
+
+COMPLETED = "completed"
+NOT_RUN = "not run"
+
+Found: TypeAlias = tuple[Any, ...]
+"""What is known of a member: its result or its file or None, message, outcome, quantities, figures."""
+NOTHING: Found = (None, "", NOT_RUN, {}, {})
+
+
+@dataclass(frozen=True)
+class SweepRun:
+    """One run of a sweep.
+
+    Attributes:
+        number: place in the table of values, from 0.
+        values: parameter -> value, as given.
+        stored: the result, the file that it is in, or None.
+        message: why it failed, empty if it did not, and which quantities could not be computed.
+        outcome: "completed", or what stopped it.
+        quantities: the numbers that were asked for, by name; those that there are.
+        measured: cost and other figures, where the result itself is not kept.
+    """
+
+    number: int
+    values: Mapping[str, Any]
+    stored: AnyResult | Path | None = None
+    message: str = ""
+    outcome: str = COMPLETED
+    quantities: Mapping[str, Number] = field(default_factory=dict)
+    measured: Mapping[str, float] = field(default_factory=dict)
+
+    @cached_property
+    def result(self) -> AnyResult | None:
+        """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
+        if isinstance(self.stored, Path):
+            return cast("AnyResult", load(self.stored))  # a member is no sweep
+        return self.stored
+
+    @property
+    def completed(self) -> bool:
+        """True if it was computed to its end."""
+        return self.outcome == COMPLETED
+
+    def figures(self) -> dict[str, float]:
+        """Return numbers of the result by which members are compared, see ``viscorod.results.sweep_figures``."""
+        return dict(self.measured) or figures_of(self.result)
+
+
+class Rows(Sequence[dict[str, Any]]):
+    """The values of all members, a column for every key.
+
+    Attributes:
+        columns: key -> its values, one per member.
+    """
+
+    def __init__(self, columns: Mapping[str, Sequence[Any]], count: int) -> None:
+        self.columns = {key: list(column) for key, column in columns.items()}
+        self._count = count
+
+    def __len__(self) -> int:
+        return self._count
+
+    @overload
+    def __getitem__(self, at: int) -> dict[str, Any]: ...
+    @overload
+    def __getitem__(self, at: slice) -> list[dict[str, Any]]: ...
+    def __getitem__(self, at: int | slice) -> dict[str, Any] | list[dict[str, Any]]:
+        if isinstance(at, slice):
+            return [self[k] for k in range(*at.indices(self._count))]
+        k = range(self._count)[at]
+        return {key: column[k] for key, column in self.columns.items()}
+
+
+class FoundMembers(MutableMapping[int, Found]):
+    """What is known of the members of a sweep, by their numbers; nothing of those that are not in it.
+
+    Args:
+        count: members of the sweep.
+    """
+
+    def __init__(self, count: int) -> None:
+        self._outcomes = [NOT_RUN]
+        self._outcome = np.full(count, -1, dtype=np.int16)
+        self._messages: dict[int, str] = {}
+        self._stored: dict[int, Any] = {}
+        self._numbers: tuple[dict[str, Floats], dict[str, Floats]] = {}, {}
+        self._histories: dict[int, dict[str, list[float]]] = {}
+        self._known = 0
+
+    def __len__(self) -> int:
+        return self._known
+
+    def __iter__(self) -> Iterator[int]:
+        return iter(np.flatnonzero(self._outcome >= 0).tolist())
+
+    def __contains__(self, number: object) -> bool:
+        return isinstance(number, int) and 0 <= number < len(self._outcome) and self._outcome[number] >= 0
+
+    def __setitem__(self, number: int, found: Found) -> None:
+        stored, message, outcome, quantities, measured = (*found, {}, {})[:5]
+        self._known += number not in self
+        if outcome not in self._outcomes:
+            self._outcomes.append(outcome)
+        self._outcome[number] = self._outcomes.index(outcome)
+        for notes, note in ((self._messages, message), (self._stored, stored)):
+            notes.pop(number, None)
+            if note is not None and note != "":
+                notes[number] = note
+        histories = {name: value for name, value in quantities.items() if isinstance(value, list)}
+        self._histories.pop(number, None)
+        if histories:
+            self._histories[number] = histories
+        for columns, given in zip(self._numbers, (quantities, measured), strict=True):
+            for name in [*columns, *(name for name in given if name not in columns)]:
+                value = given.get(name, np.nan)
+                if not isinstance(value, list):
+                    if name not in columns:
+                        columns[name] = np.full(len(self._outcome), np.nan)
+                    columns[name][number] = value
+
+    def __delitem__(self, number: int) -> None:
+        if number not in self:
+            raise KeyError(number)
+        self[number] = NOTHING
+        self._outcome[number] = -1
+        self._known -= 1
+
+    def __getitem__(self, number: int) -> Found:
+        if number not in self:
+            raise KeyError(number)
+        quantities, measured = (
+            {name: float(column[number]) for name, column in columns.items() if np.isfinite(column[number])}
+            for columns in self._numbers
+        )
+        return (
+            self._stored.get(number),
+            self._messages.get(number, ""),
+            self._outcomes[self._outcome[number]],
+            quantities | self._histories.get(number, {}),
+            measured,
+        )
+
+    def outcomes(self) -> list[str]:
+        """Return the outcomes of all members."""
+        return [self._outcomes[max(0, code)] for code in self._outcome.tolist()]
+
+    def told(self) -> dict[int, str]:
+        """Return the messages, by member, in order."""
+        return dict(sorted(self._messages.items()))
+
+    @property
+    def quantities(self) -> dict[str, Floats]:
+        """Quantities that are numbers, in columns of all members; NaN of those that do not have one."""
+        return self._numbers[0]
+
+    @property
+    def measured(self) -> dict[str, Floats]:
+        """Figures in such columns; of results that are kept they are read from these."""
+        return self._numbers[1]
+
+    @property
+    def histories(self) -> tuple[str, ...]:
+        """Names of the quantities that are histories."""
+        return tuple(dict.fromkeys(name for found in self._histories.values() for name in found))
+
+
+class SweepMembers(Sequence[SweepRun]):
+    """All members of a sweep, each of which is made when it is asked for.
+
+    Attributes:
+        rows: their values; found: what is known of them.
+    """
+
+    def __init__(self, rows: Rows, found: FoundMembers) -> None:
+        self.rows, self.found = rows, found
+        self._kept: dict[int, SweepRun] = {}
+
+    @classmethod
+    def of(cls, members: Iterable[SweepRun]) -> SweepMembers:
+        """Return members that are there one by one."""
+        given = list(members)
+        keys = list(given[0].values) if given else []
+        rows = Rows({key: [member.values[key] for member in given] for key in keys}, len(given))
+        found = FoundMembers(len(given))
+        for k, m in enumerate(given):
+            found[k] = m.stored, m.message, m.outcome, m.quantities, m.measured
+        return cls(rows, found)
+
+    def __len__(self) -> int:
+        return len(self.rows)
+
+    @overload
+    def __getitem__(self, at: int) -> SweepRun: ...
+    @overload
+    def __getitem__(self, at: slice) -> tuple[SweepRun, ...]: ...
+    def __getitem__(self, at: int | slice) -> SweepRun | tuple[SweepRun, ...]:
+        if isinstance(at, slice):
+            return tuple(self[k] for k in range(*at.indices(len(self))))
+        k = range(len(self))[at]
+        if k in self._kept:
+            return self._kept[k]
+        member = SweepRun(k, self.rows[k], *self.found.get(k, NOTHING))
+        if member.stored is not None:  # it reads its result once
+            self._kept[k] = member
+        return member
+
+    def kept(self) -> bool:
+        """Return whether any whole result is kept."""
+        return bool(self.found._stored)
