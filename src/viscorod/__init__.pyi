@@ -28,6 +28,7 @@ from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.time_function import Constant as Constant
 from .model.actions.time_function import Ramp as Ramp
 from .model.actions.time_function import Sine as Sine
+from .model.actions.time_function import SmoothRamp as SmoothRamp
 from .model.actions.time_function import SpinUp as SpinUp
 from .model.actions.time_function import Until as Until
 from .model.actions.time_table import FunctionOfTime as FunctionOfTime

@@ -11,7 +11,7 @@ import inspect
 import math
 import os
 import reprlib
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
@@ -20,7 +20,7 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.limits import MOST_CHOSEN
 from viscorod.units import is_quantity, si_quantity, si_value
-from viscorod.wording import RefusedError
+from viscorod.wording import RefusedError, did_you_mean
 
 __all__ = [
     "KINDS",
@@ -28,6 +28,7 @@ __all__ = [
     "checked_with",
     "file_path",
     "flag",
+    "known_arguments",
     "matrix",
     "number",
     "number_of_parts",
@@ -282,6 +283,45 @@ KINDS: dict[str, Kind] = {
 """Name of an argument -> what checks and converts its values."""
 
 
+def require_known(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
+    """Refuse arguments by names that a function does not have, with the nearest one that it has.
+
+    Raises:
+        InputError: there is one.
+    """
+    code = function.__code__
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    if given.keys() <= set(names) or code.co_flags & inspect.CO_VARKEYWORDS:
+        return
+    wrong = next(name for name in given if name not in names)
+    known = [name for name in names if name not in ("self", "cls")]
+    advice = f"{did_you_mean(wrong, known, str)}the arguments are {', '.join(known)}"
+    raise InputError(Fault(f"{function.__name__}: {wrong}", "", "there is no argument of this name", advice))
+
+
+C = TypeVar("C", bound=type)
+
+
+def known_arguments(kind: C) -> C:
+    """Let all public methods of a class tell of arguments that they do not have."""
+    for name, found in list(vars(kind).items()):
+        plain = found.__func__ if isinstance(found, classmethod) else found
+        if name.startswith("_") or not inspect.isfunction(plain):
+            continue
+        told = _telling(plain)
+        setattr(kind, name, classmethod(told) if isinstance(found, classmethod) else told)
+    return kind
+
+
+def _telling(function: Callable[P, R]) -> Callable[P, R]:
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        require_known(function, kwargs)
+        return function(*args, **kwargs)
+
+    return call
+
+
 def checked(function: Callable[P, R]) -> Callable[P, R]:
     """Check the arguments of a function whose names are in ``KINDS``; None is let through where its type has it.
 
@@ -308,6 +348,7 @@ def checked_with(**more: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
             run: Any = function
+            require_known(run, kwargs)
             listed = [converted(name, value) for name, value in zip(order, args, strict=False)]
             named = {name: converted(name, value) for name, value in kwargs.items()}
             result: R = run(*listed, *args[len(listed) :], **named)

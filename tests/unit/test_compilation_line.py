@@ -5,9 +5,9 @@ from types import SimpleNamespace
 
 import pytest
 
+from viscorod.analyses import compilation_line
 from viscorod.analyses.compilation_line import COSTS, CompilationLine, end_compilation_line
 from viscorod.analyses.warmup import kernels
-from viscorod.cli import compilation_line
 from viscorod.mechanics.compilation import compiled
 
 KNOWN = {kernel.py_func.__name__ for kernel in kernels()}

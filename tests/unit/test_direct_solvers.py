@@ -23,7 +23,6 @@ from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.linear.stacked_solvers import StackedSolvers
 from viscorod.solve.linear.substitution import solve, solve_each
-from viscorod.solve.linear.unknowns import Unknowns
 
 KINDS = [float, complex]
 
@@ -74,7 +73,7 @@ def values(pattern, nodes, kind=float, seed=0):
 def sparse_plan(pattern, interiors):
     elimination = Elimination.of(pattern, interiors)
     order = np.random.default_rng(1).permutation(elimination.remaining.size)
-    return Plan(Unknowns.every(pattern), elimination, order, banded=False, cost=0.0)
+    return Plan(pattern, elimination, order, banded=False, cost=0.0)
 
 
 def right_side(size, kind, seed=3):
@@ -238,63 +237,6 @@ def test_stacked_matrices_are_solved_one_by_one(count):
                 np.testing.assert_allclose(x, expected, atol=scale * np.abs(expected).max(), rtol=0)
 
 
-SOME = ("chain", "one element", "linear elements", "two parts", "lattice")
-"""Models without multipliers, of which some unknowns are solved for."""
-
-
-def some_unknowns(model, size, seed=5):
-    """A model, some unknowns of which a part of the rows is without, and which of all there are (equations, unknowns).
-
-    Places are any, but in rows that are eliminated in groups equations stand where their unknowns do.
-    """
-    pattern, interiors, _ = MODELS[model]
-    rng = np.random.default_rng(seed)
-    inner = np.concatenate([np.zeros(0, int), *(group.ravel() for group in interiors)])
-    held = np.setdiff1d(np.arange(pattern.size), inner)[:1]
-    rows = np.setdiff1d(np.arange(pattern.size), held)
-
-    def places():
-        return np.sort([rng.choice(6, size, replace=False) for _ in rows])
-
-    components = places()
-    equations = np.where(np.isin(rows, inner)[:, None], components, places())
-    return pattern, interiors, Unknowns.some(pattern, rows, equations, components)
-
-
-@pytest.mark.parametrize("kind", KINDS)
-@pytest.mark.parametrize("size", [3, 6])
-@pytest.mark.parametrize("model", SOME)
-def test_some_unknowns_have_the_solution_of_their_part_of_the_matrix(model, size, kind):
-    """Whatever couples them with others, and the equations of these, are not looked at."""
-    pattern, interiors, unknowns = some_unknowns(model, size)
-    blocks = values(pattern, pattern.size, kind)
-    dense = pattern.sparse(blocks).toarray()
-    part = dense[np.ix_(unknowns.equations.ravel(), unknowns.numbers.ravel())]
-    b = right_side(6 * pattern.size, kind)
-    expected = np.zeros_like(b)
-    expected[unknowns.numbers.ravel()] = np.linalg.solve(part, b[unknowns.equations.ravel()])
-    found = [*plans(pattern, interiors, unknowns)]
-    elimination = Elimination.of(unknowns.pattern, [unknowns.own(group) for group in interiors])
-    order = np.arange(elimination.remaining.size)
-    for plan in [*found, Plan(unknowns, elimination, order, banded=False, cost=0.0)]:
-        solver = DirectSolver(plan, kind)
-        solver.factorise(blocks)
-        x = solver.solve(b.copy())
-        scale = 1e-13 * np.linalg.cond(part) * np.abs(expected).max()
-        np.testing.assert_allclose(x, expected, atol=scale, rtol=0)
-        assert (x[unknowns.others] == 0.0).all()
-
-
-def test_a_zero_pivot_of_some_unknowns_is_named_by_its_number_among_all():
-    pattern, _, unknowns = some_unknowns("linear elements", 3)
-    blocks = values(pattern, pattern.size)
-    singular = int(unknowns.numbers[4, 1])
-    blocks[pattern.columns == singular // 6, singular % 6] = 0.0
-    with pytest.raises(SingularMatrixError) as caught:
-        DirectSolver(Plan.of(pattern, (), unknowns)).factorise(blocks)
-    assert caught.value.row == singular
-
-
 def test_groups_that_touch_others_remain():
     pattern, (inner,), _ = chain(6, 3)
     wrong = [inner[:4], np.array([[0], [inner[5, 0]]])]
@@ -368,12 +310,10 @@ from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.elimination import Elimination
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
-from viscorod.solve.linear.unknowns import Unknowns
 
 padding = [np.zeros(k) for k in range(np.random.default_rng().integers(1000))]  # other addresses than last time
 pattern = Pattern.of(3, [np.array([[0, 1, 2]])])
-elimination = Elimination.of(pattern, [np.array([[1]])])
-solver = DirectSolver(Plan(Unknowns.every(pattern), elimination, np.arange(2), False, 0.0))
+solver = DirectSolver(Plan(pattern, Elimination.of(pattern, [np.array([[1]])]), np.arange(2), False, 0.0))
 blocks = np.random.default_rng(0).normal(size=(9, 6, 6))
 solver.factorise(blocks)
 assert np.allclose(pattern.sparse(blocks) @ solver.solve(np.ones(18)), 1.0)

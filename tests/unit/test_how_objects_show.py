@@ -120,6 +120,28 @@ def test_names_that_are_not_there(ask, words):
     assert isinstance(caught.value, AttributeError)  # for hasattr, copy and pickle
 
 
+@pytest.mark.parametrize(
+    ("call", "words"),
+    [
+        (
+            lambda: model().clamp(place="coil.start"),
+            r"clamp: place: .*the arguments are at, motion",
+        ),
+        (lambda: model().force("coil.end", values=[0, 0, 1]), r"did you mean value\?"),
+        (
+            lambda: vr.Rod.straight([0, 0, 0], [1, 0, 0], sections=1),
+            r"straight: sections: .*did you mean section\?",
+        ),
+        (lambda: vr.Run(swing()).plot(pth="a.png"), r"plot: pth: .*did you mean path\?"),
+        (lambda: vr.Rod.straigt([0, 0, 0]), r"Rod.straigt: .*did you mean straight\?"),
+        (lambda: vr.sweep(model(), {"a": [1]}), r"this is a model, .*to_toml"),
+    ],
+)
+def test_arguments_and_methods_that_are_not_there(call, words):
+    with pytest.raises(vr.InputError, match=words):
+        call()
+
+
 def test_a_property_that_fails_says_why():
     """Not that it is missing."""
 

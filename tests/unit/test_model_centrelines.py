@@ -234,3 +234,32 @@ def test_refused(build, path, text):
 def test_first_axis_along_the_rod_is_refused():
     with pytest.raises(InputError, match="d1 must not point along the rod"):
         Straight((0, 0, 0), (1, 0, 0)).frames([0.0], d1=(-1.0, 0.0, 0.0))
+
+
+def test_points_of_a_file_are_those_of_a_list(tmp_path):
+    """Names or numbers of columns in any order, with the unit of the head or a given one."""
+    points = [[0.0, 0.0, 0.01], [0.04, 0.0, 0.012], [0.08, 0.03, 0.01]]
+    listed = ThroughPoints(points)
+    (tmp_path / "head.csv").write_text("z [mm];x [cm];y [m]\n10;0;0\n12;4;0\n10;8;0,03\n")
+    (tmp_path / "plain.txt").write_text("0 0 10\n40 0 12\n80 30 10\n")
+    for read in (
+        ThroughPoints(file=str(tmp_path / "head.csv"), columns=["x", "y", "z"]),
+        ThroughPoints(file=str(tmp_path / "plain.txt"), unit="mm"),
+    ):
+        np.testing.assert_allclose(read.given_points, points, rtol=1e-15)
+        assert read.length == pytest.approx(listed.length, rel=1e-14)
+
+
+def test_files_of_points_that_cannot_be_read(tmp_path):
+    (tmp_path / "twice.csv").write_text("0,0,0\n1,0,0\n1,0,0\n")
+    (tmp_path / "time.csv").write_text("x [s],y,z\n0,0,0\n1,0,0\n")
+    for given, words in (
+        ({"file": str(tmp_path / "none.csv")}, "no such file"),
+        ({"file": str(tmp_path / "twice.csv")}, r"the same point twice in a row \(row 3\)"),
+        ({"file": str(tmp_path / "twice.csv"), "columns": [1, 2, 4]}, "the table has 3 columns"),
+        ({"file": str(tmp_path / "time.csv")}, "the unit 's' of the column is no length"),
+        ({"file": "a.csv", "points": [[0, 0, 0], [1, 0, 0]]}, "points that are listed, or read from a file"),
+        ({}, "give points, or file"),
+    ):
+        with pytest.raises(InputError, match=words):
+            ThroughPoints(**given)

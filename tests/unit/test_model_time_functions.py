@@ -7,7 +7,7 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from viscorod.errors import AccuracyWarning, InputError
-from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, Until
+from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, Until
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable, time_function
 
 WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
@@ -16,6 +16,7 @@ FUNCTIONS = [
     Constant(3.0),
     Until(1.0),
     Ramp(0.5, 2.0, 4.0),
+    SmoothRamp(0.5, 2.0, 4.0),
     Sine(0.7, 2.0, 0.3, 1.0),
     SpinUp(6.0, 2.5),
     TimeTable(*WAVY),
@@ -48,6 +49,20 @@ def test_limits_from_the_left(f):
             assert f.value(t, before=True) == pytest.approx(f.value(t), abs=1e-12)
     assert set(f.jumps) <= set(f.breakpoints)
     assert list(f.breakpoints) == sorted(f.breakpoints)
+
+
+def test_a_smooth_ramp_starts_and_stops_without_a_blow():
+    """Half of the way at half of the time, its largest speed twice the mean, no speed and acceleration at the ends."""
+    f = SmoothRamp(1.0, 3.0, 0.5)
+    assert (f.value(1.0), f.value(2.0), f.value(3.0), f.value(9.0)) == pytest.approx(
+        (0.0, 0.25, 0.5, 0.5), abs=1e-15
+    )
+    assert f.rate(2.0) == pytest.approx(2.0 * 0.5 / 2.0)
+    for t in (0.5, 1.0, 3.0, 4.0):
+        assert (f.rate(t), f.acceleration(t)) == pytest.approx((0.0, 0.0), abs=1e-14)
+    assert not f.jumps
+    with pytest.raises(InputError, match="after its start"):
+        SmoothRamp(1.0, 1.0)
 
 
 def test_until():

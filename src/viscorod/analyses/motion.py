@@ -14,7 +14,6 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.analyses.modal_reduction import reduced_makers, told_of_modes
 from viscorod.analyses.motion_events import monitors
-from viscorod.analyses.motion_unknowns import MotionUnknowns, motion_unknowns
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
@@ -33,7 +32,6 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
-from viscorod.solve.linear.plan import Plan
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
@@ -117,10 +115,8 @@ def _motion(
         linear()
     else:  # where the stresses are those of the start in any case
         discrete.static.restore(state, 0.0, before=True, scale=_held_part(settings))
-    unknowns = motion_unknowns(discrete, settings, state)
-    makers = integrator_makers(discrete, settings, state, unknowns.plan)
-    with discrete.system.matrix.following(unknowns.plan):
-        integrator, control, chosen = stepping(discrete, settings, linear, makers[0])
+    makers = integrator_makers(discrete, settings, state)
+    integrator, control, chosen = stepping(discrete, settings, linear, makers[0])
     halved, start = _halved_steps(discrete, settings, linear, chosen, makers[1]), state.copy()
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node, halved)
     began = time.perf_counter()
@@ -146,20 +142,18 @@ def _motion(
 
     if begun is not None:
         discrete.watch.take_over(restore({}, begun["watch"]))
-    watched = EventWatch(monitors(discrete, settings.events, linear))
-    with discrete.system.matrix.following(unknowns.plan):
-        result = transient.run(
-            state,
-            settings.duration,
-            output_interval=settings.output_interval,
-            progress=progress if options.derivatives else options.progress,
-            history=stream,
-            checkpoint=None if begun is None else begun["motion"],
-            after_step=after_step,
-            patient=options.stop is None or getattr(options.stop, "patient", False),
-            notes=_Noted(discrete.watch, stream),
-            watch=watched,
-        )
+    result = transient.run(
+        state,
+        settings.duration,
+        output_interval=settings.output_interval,
+        progress=progress if options.derivatives else options.progress,
+        history=stream,
+        checkpoint=None if begun is None else begun["motion"],
+        after_step=after_step,
+        patient=options.stop is None or getattr(options.stop, "patient", False),
+        notes=_Noted(discrete.watch, stream),
+        watch=EventWatch(monitors(discrete, settings.events, linear)),
+    )
     interrupted = result.outcome is Outcome.INTERRUPTED
     if written is not None and written.broken:
         raise InputError(result.reason)
@@ -169,7 +163,7 @@ def _motion(
         labels
         | chosen
         | {"began_from": began_from}
-        | described(discrete, transient, settings, result.outcome, unknowns)
+        | described(discrete, transient, settings, result.outcome)
     )
     attrs["loop_time_s"] = time.perf_counter() - began
     if halved is not None and result.outcome is Outcome.COMPLETED:
@@ -181,15 +175,10 @@ def _motion(
         if settings.modes is None:  # what modes leave out is not in balance on any mesh
             see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
         attrs |= watch.attributes
-    out_of_plane = ""
-    if unknowns.plane is not None and result.outcome is Outcome.COMPLETED:
-        last = integrator.t, integrator.snapshot()
-        out_of_plane = unknowns.doubt(discrete.static, [*discrete.watch.noted, last])
     attrs["message"] = message = failure(discrete, transient)
     _tell(attrs, _blows(discrete.problem))
     _tell(attrs, motion_doubt(attrs))
     _tell(attrs, force_doubt(attrs))
-    _tell(attrs, out_of_plane)
     stream.flush()
     if written is None:
         data = stream.contents()
@@ -325,9 +314,8 @@ def described(
     transient: Transient,
     settings: SimulateSettings,
     outcome: Outcome,
-    unknowns: MotionUnknowns | None = None,
 ) -> dict[str, Any]:
-    """Return the attributes of a result about how its motion was computed; by default for all unknowns."""
+    """Return the attributes of a result about how its motion was computed."""
     effort = transient.effort
     found: dict[str, Any] = {
         "outcome": outcome.name.lower(),
@@ -360,9 +348,7 @@ def described(
     if isinstance(transient.integrator, ReducedMotion):
         found |= told_of_modes(settings, transient.integrator)
     elif settings.dynamics == "nonlinear":
-        plan = discrete.problem.plan if unknowns is None else unknowns.plan
-        found["linear_solver"] = plan.description
-        found["symmetry"] = "" if unknowns is None else unknowns.symmetry
+        found["linear_solver"] = discrete.problem.plan.description
     if _integrates_strains(settings):
         found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
     return found
@@ -389,12 +375,9 @@ def failure(discrete: DiscreteModel, transient: Transient) -> str:
 
 
 def integrator_makers(
-    discrete: DiscreteModel, settings: SimulateSettings, state: State, plan: Plan | None = None
+    discrete: DiscreteModel, settings: SimulateSettings, state: State
 ) -> tuple[Callable[..., Integrator], Callable[..., Integrator]]:
-    """Return what makes the integrator of a motion from a state, and a twin of it with a system of its own.
-
-    The matrix of that system is factorised by the ``plan`` for good; by default by that of the problem.
-    """
+    """Return what makes the integrator of a motion from a state, and a twin of it with a system of its own."""
     if settings.modes is not None:
         return reduced_makers(discrete, settings, state)
     method = INTEGRATORS[settings.integrator]
@@ -403,8 +386,6 @@ def integrator_makers(
     def twin(**given: Any) -> Integrator:
         system = FORMULATIONS[discrete.formulation].make(discrete.problem)
         system.given_strain = discrete.system.given_strain
-        if plan is not None:
-            system.matrix.plan = plan
         found: Integrator = make(system, SupportState(discrete.problem), **given)
         return found
 

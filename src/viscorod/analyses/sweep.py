@@ -25,6 +25,7 @@ from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_keys import put
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
+from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
@@ -99,6 +100,11 @@ def sweep(
             first that are due are looked at before; wrong ones among the others have the outcome "refused".
         SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
     """
+    if isinstance(case, ModelDescription):
+        instead = 'write it as one: model.to_toml("case.toml", "simulate", duration=1.0)'
+        raise InputError(
+            Fault("case", repr(case), "this is a model, and the numbers of a case are varied", instead)
+        )
     if not isinstance(case, Case):
         case = load_case(case)
     if progress is not None and not isinstance(progress, bool):

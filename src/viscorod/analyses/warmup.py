@@ -17,8 +17,10 @@ import numba
 from numba.core import event
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.frequency_response import with_inputs
 from viscorod.analyses.model import Model
 from viscorod.analyses.motion import motion
+from viscorod.analyses.periodic import periodic
 from viscorod.errors import AccuracyWarning
 from viscorod.mechanics.compilation.compiled import (
     KERNELS,
@@ -38,6 +40,7 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
 from viscorod.solve.formulations.system import State
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.radau import Radau
@@ -95,6 +98,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         assembly.equilibrium()
         assembly.modes(1)
         relaxing.modes(1)
+        vibrate(soft_model())
         for variant in _variants(assembly, relaxing):
             _simulate(*variant)
         compile_loop()
@@ -104,6 +108,14 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
     folder = cache_folder()
     folders = () if folder is None else (folder,)
     return WarmUp(time.perf_counter() - begin, _misses() - before, folders)
+
+
+def vibrate(model: Model) -> None:
+    """Follow a periodic motion over a few frequencies."""
+    settings = {"inputs": ["beam.end fz"], "amplitudes": [1e-12], "outputs": ["beam.end uz"]}
+    given = PeriodicSettings.model_validate(settings | {"frequencies": [0.8, 0.801], "harmonics": 1})
+    described = DiscreteModel.of(with_inputs(model, given), given)
+    periodic(described, given)
 
 
 def transients(model: Model) -> None:

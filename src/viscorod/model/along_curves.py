@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeAlias
 
+from viscorod.checks import known_arguments
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
@@ -19,6 +20,7 @@ __all__ = ["AlongCurves"]
 Point: TypeAlias = Sequence[float]
 
 
+@known_arguments
 class AlongCurves:
     """Methods that make rods; a part of `Rod`."""
 
@@ -95,8 +97,11 @@ class AlongCurves:
     @classmethod
     def through(
         cls,
-        points: Sequence[Point],
+        points: Sequence[Point] | None = None,
         *,
+        file: str | None = None,
+        columns: Sequence[str | int] = (1, 2, 3),
+        unit: str | None = None,
         section: SectionProfile,
         material: Material | None = None,
         elements: int | None = None,
@@ -108,8 +113,10 @@ class AlongCurves:
         tilt: Tilt = (0.0, 0.0, 0.0),
         curvature_correction: bool = False,
     ) -> Self:
-        """Make a rod along a smooth curve through points; see `ThroughPoints`."""
-        return cls._along(ThroughPoints, {"points": points}, locals())
+        """Make a rod along a smooth curve through points, or those of a file; see `ThroughPoints`."""
+        source = {"points": points} if file is None else {"file": file, "columns": columns, "unit": unit}
+        given = {"points": points, **source} if points is not None else source
+        return cls._along(ThroughPoints, given, locals())
 
     @classmethod
     def curve(

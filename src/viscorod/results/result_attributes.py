@@ -74,7 +74,6 @@ class ResultAttributes(BaseModel):
     began_from: str = ""
     found_by: str = ""
     linear_solver: str = ""
-    symmetry: str = ""
     events: Json[list[Event]] | None = None
     ended_by: str = ""
     damping_assumptions: Json[dict[str, list[str]]] | None = None

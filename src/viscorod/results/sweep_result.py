@@ -39,6 +39,8 @@ ALONG = DIMENSION | {
 }
 """Kind of a result -> dimension of its states."""
 KIND = "sweep"
+DRAWN = 200
+"""Members in a small drawing."""
 MOST_ROWS = 60
 """Members that a report lists; a table has all."""
 
@@ -64,8 +66,8 @@ class Sweep(WellNamed, Shown):
 
     def _facts(self) -> Iterator[str]:
         yield counted(len(self.members), "member")
-        if self.failed:
-            yield f"{len(self.failed)} not completed"
+        if missing := len(self.members) - self.count_completed:
+            yield f"{missing} not completed"
         yield f"over {', '.join(self.parameters)}" if self.parameters else "no parameters"
         if self.quantities:
             yield f"quantities {', '.join(self.quantities)}"
@@ -74,9 +76,9 @@ class Sweep(WellNamed, Shown):
         """Return the first quantity over the first parameter, where both are numbers."""
         drawing = Drawing(equal=False)
         if self.parameters and self.quantities:
-            rows = [
-                (m.values[self.parameters[0]], m.quantities.get(self.quantities[0])) for m in self.completed
-            ]
+            members = (self.members[k] for k in range(min(len(self.members), DRAWN)))
+            x, y = self.parameters[0], self.quantities[0]
+            rows = [(m.values[x], m.quantities.get(y)) for m in members if m.completed]
             kept = [row for row in rows if all(isinstance(one, int | float) for one in row)]
             drawing.dots(np.array(kept, dtype=float).reshape(-1, 2))
         return drawing.svg()

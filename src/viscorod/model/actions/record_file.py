@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import csv
 import re
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -18,7 +19,7 @@ from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.typing import Floats
 
-__all__ = ["TIME_UNITS", "VALUE_UNITS", "read_record"]
+__all__ = ["LENGTHS", "TIME_UNITS", "VALUE_UNITS", "read_points", "read_record"]
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 """Seconds of the unit."""
@@ -36,6 +37,8 @@ VALUE_UNITS = {
 }  # fmt: skip
 """The unit in SI units; g is that of accelerations."""
 
+LENGTHS = ("m", "mm", "cm", "um", "µm", "nm", "in", "ft")
+"""Units of points."""
 SEPARATORS = ("\t", ";", ",", " ")
 _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eEdD][+-]?\d+)?")
 _UNIT = re.compile(r"^(.*?)\s*(?:\[(.*)\]|\((.*)\)|/\s*(\S+))\s*$")
@@ -88,6 +91,35 @@ def read_record(
             )
         found.append(lines.numbers[:, k] * units[name])
     return tuple(found[0].tolist()), tuple(found[1].tolist())
+
+
+def read_points(path: str, columns: Sequence[str | int], unit: str | None) -> tuple[tuple[float, ...], ...]:
+    """Return points [m] from the columns of a file.
+
+    Args:
+        path: of the file.
+        columns: by their names in the head or numbers, from 1.
+        unit: of length, where the head does not say.
+
+    Raises:
+        RefusedError: the file, a column or a unit cannot be read.
+    """
+    lines = _cut(_text(Path(path)))
+    found = []
+    for column in columns:
+        k, written = _column(lines, column, "columns")
+        name = unit or written or "m"
+        if unit is not None and written is not None and VALUE_UNITS[unit] != VALUE_UNITS.get(written):
+            raise RefusedError(f"the file says {written!r}", "leave it out", found=show(unit), at=("unit",))
+        if name not in LENGTHS:
+            raise RefusedError(
+                f"the unit {written!r} of the column is no length",
+                f"give unit, one of {', '.join(LENGTHS)}",
+                found=show(path),
+                at=("file",),
+            )
+        found.append(lines.numbers[:, k] * VALUE_UNITS[name])
+    return tuple(map(tuple, np.stack(found, axis=-1).tolist()))
 
 
 def _text(path: Path) -> str:

@@ -17,7 +17,7 @@ from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
 
-__all__ = ["Constant", "Ramp", "Sine", "SpinUp", "TimeFunction", "Until"]
+__all__ = ["Constant", "Ramp", "Sine", "SmoothRamp", "SpinUp", "TimeFunction", "Until"]
 
 
 class TimeFunction(Definition):
@@ -143,6 +143,57 @@ class Ramp(TimeFunction):
         """Return zero, also on both sides of the corners."""
         del t, before
         return 0.0
+
+
+class SmoothRamp(TimeFunction):
+    """Zero before `start`, then growing smoothly to `level` at `end`, constant after: for angles and displacements.
+
+    value = level (x - sin(2 pi x)/2pi) with x from 0 to 1 (a cycloid), so that speed and acceleration are continuous
+    and zero at both ends: a body that is moved so feels no blow.
+    """
+
+    kind: Literal["smooth_ramp"] = Field(default="smooth_ramp", kw_only=True, repr=False)
+    start: Number = Key("", "s")
+    end: Number = Key("later than the start", "s")
+    level: Number = Key("the value reached", "*", default=1.0)
+
+    @model_validator(mode="after")
+    def _forward(self) -> Self:
+        if self.end <= self.start:
+            raise RefusedError(
+                "a ramp must end after its start",
+                f"give a time after {show(self.start)}",
+                found=show(self.end),
+                at=("end",),
+            )
+        return self
+
+    @property
+    def breakpoints(self) -> tuple[float, ...]:
+        """Start and end, where the third derivative jumps."""
+        return (self.start, self.end)
+
+    def value(self, t: float, before: bool = False) -> float:
+        """Return the level times the elapsed part of the way."""
+        del before
+        x = self._elapsed(t)
+        return self.level * (x - math.sin(2.0 * math.pi * x) / (2.0 * math.pi))
+
+    def rate(self, t: float, before: bool = False) -> float:
+        """Return the first derivative."""
+        del before
+        x = self._elapsed(t)
+        return self.level / (self.end - self.start) * (1.0 - math.cos(2.0 * math.pi * x))
+
+    def acceleration(self, t: float, before: bool = False) -> float:
+        """Return the second derivative."""
+        del before
+        x = self._elapsed(t)
+        return 2.0 * math.pi * self.level / (self.end - self.start) ** 2 * math.sin(2.0 * math.pi * x)
+
+    def _elapsed(self, t: float) -> float:
+        """Return the elapsed part of the time of the ramp, 0 to 1."""
+        return min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
 
 
 class Sine(TimeFunction):

@@ -14,7 +14,7 @@ from pydantic import Field, model_validator
 
 from viscorod.errors import warn
 from viscorod.model.actions.record_file import TIME_UNITS, VALUE_UNITS, read_record
-from viscorod.model.actions.time_function import Constant, Ramp, Sine, SpinUp, TimeFunction, Until
+from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, TimeFunction, Until
 from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
 from viscorod.model.fields.forms import TEXT, listed, of_kind, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -370,6 +370,7 @@ TIME_FUNCTIONS: dict[str, type[Definition]] = {
     "constant": Constant,
     "until": Until,
     "ramp": Ramp,
+    "smooth_ramp": SmoothRamp,
     "sine": Sine,
     "table": TimeTable,
     "spin_up": SpinUp,

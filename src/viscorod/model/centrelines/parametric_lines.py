@@ -12,12 +12,22 @@ from typing import Annotated, Any, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.model.actions.record_file import LENGTHS, read_points
 from viscorod.model.centrelines.centreline import Centreline
 from viscorod.model.centrelines.smooth_curve import SmoothCurve, chebyshev_curve
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.fields.forms import listed
-from viscorod.model.fields.metadata import Key, accepts
-from viscorod.model.fields.values import TRIPLE, Triple, each, function, sequence, vector
+from viscorod.model.fields.forms import TEXT, listed
+from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.values import (
+    TRIPLE,
+    OptionalText,
+    Triple,
+    each,
+    function,
+    one_of,
+    sequence,
+    vector,
+)
 from viscorod.typing import Floats
 
 __all__ = ["ParametricCurve", "ThroughPoints"]
@@ -69,25 +79,80 @@ def _points(value: Any) -> tuple[Triple, ...]:
     return points
 
 
+@accepts(
+    {
+        "type": "array",
+        "items": {"anyOf": [{"type": "integer", "minimum": 1}, TEXT]},
+        "minItems": 3,
+        "maxItems": 3,
+    },
+    "3 names or numbers from 1",
+)
+def _columns(value: Any) -> tuple[str | int, ...]:
+    found = tuple(sequence(value))
+    if len(found) != 3 or not all(isinstance(one, str | int) and not isinstance(one, bool) for one in found):
+        raise RefusedError(
+            "three columns are needed here", 'give their names or numbers, such as ["x", "y", "z"]'
+        )
+    return found
+
+
 class ThroughPoints(_Parametric):
-    """A smooth curve through points: a cubic spline over the chord lengths (continuous curvature)."""
+    """A smooth curve through points: a cubic spline over the chord lengths (continuous curvature).
+
+    The points are listed, or the columns of a file.
+    """
 
     shape: Literal["points"] = Field(default="points", kw_only=True, repr=False)
-    points: Annotated[Sequence[Sequence[float]], _points] = Key("at least two", "m")
+    points: Annotated[Sequence[Sequence[float]] | None, optional(_points)] = Key(
+        "at least two", "m", default=None
+    )
+    file: OptionalText = Key(
+        "in place of the points, a text file with columns, such as line.csv; its path from the case file on",
+        default=None,
+        kw_only=True,
+    )
+    columns: Annotated[Sequence[str | int], _columns] = Key(
+        "of the file: names or numbers of x, y and z", default=(1, 2, 3), kw_only=True
+    )
+    unit: Annotated[str | None, optional(one_of(*LENGTHS))] = Key(
+        'such as "mm", where the head of the file does not say; m unless given', default=None, kw_only=True
+    )
+
+    @cached_property
+    def given_points(self) -> tuple[tuple[float, ...], ...]:
+        """The points, given or read (n, 3), m."""
+        if (self.points is None) == (self.file is None):
+            raise RefusedError(
+                "a curve goes through points that are listed, or read from a file",
+                "give points, or file",
+                found="neither" if self.file is None else "both",
+                at=("points",) if self.file is None else ("file",),
+            )
+        if self.file is None:
+            return tuple(map(tuple, self.points or ()))
+        found: tuple[tuple[float, ...], ...] = read_points(self.file, self.columns, self.unit)
+        try:
+            return _points(list(found))
+        except RefusedError as error:
+            row = f" (row {error.at[0] + 1})" if error.at and isinstance(error.at[0], int) else ""
+            raise RefusedError(
+                f"{error.why}{row}", error.instead, found=show(self.file), at=("file",)
+            ) from None
 
     @cached_property
     def _smooth(self) -> SmoothCurve:
         from scipy.interpolate import CubicSpline
 
-        points = np.array(self.points)
+        points = np.array(self.given_points)
         chords = np.linalg.norm(np.diff(points, axis=0), axis=1)
         if chords.min() < 1e-6 * chords.max():
             index = int(chords.argmin()) + 1
             raise RefusedError(
                 "this point is closer to the one before than a millionth of the longest distance",
                 "leave one of the two out",
-                found=show(self.points[index]),
-                at=("points", index),
+                found=show(self.given_points[index]),
+                at=("points", index) if self.file is None else ("file",),
             )
         knots = np.concatenate([[0.0], np.cumsum(chords / chords.mean())])
         spline = CubicSpline(knots, points)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypedDict, Unpack
 
+from viscorod.checks import known_arguments
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint import Ball, Rigid, Universal, joint
 from viscorod.model.connections.joint_base import AnyJoint
@@ -28,6 +29,7 @@ class Acting(TypedDict, total=False):
     motion: Motion | None
 
 
+@known_arguments
 class Joined:
     """Methods that add attachments, joints and springs; a part of `ModelDescription`."""
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from viscorod.checks import known_arguments
 from viscorod.model.actions.load import (
     AnyLoad,
     DistributedForce,
@@ -20,6 +21,7 @@ from viscorod.model.fields.arguments import Time, Vector, given
 __all__ = ["Loaded"]
 
 
+@known_arguments
 class Loaded:
     """Methods that add loads; a part of `ModelDescription`."""
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
+from viscorod.checks import known_arguments
 from viscorod.model.connections.support import Clamp, Guide, Pin, Roller, Support
 from viscorod.model.connections.support_base import AnySupport
 from viscorod.model.connections.velocity_support import VelocitySupport
@@ -14,6 +15,7 @@ from viscorod.model.fields.arguments import Motion, Vector
 __all__ = ["Held"]
 
 
+@known_arguments
 class Held:
     """Methods that add supports; a part of `ModelDescription`."""
 

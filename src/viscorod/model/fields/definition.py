@@ -65,6 +65,15 @@ else:
         def __dir__(cls) -> list[str]:
             return _own_names(type.__dir__(cls))
 
+        def __getattr__(cls, name: str) -> Any:
+            """Refuse a name that is not there, with the nearest one that is."""
+            try:
+                return super().__getattr__(name)
+            except AttributeError:
+                if name.startswith("_") or name in _INHERITED:
+                    raise
+                raise UnknownAttributeError.of(cls, name, dir(cls), called=cls.__name__) from None
+
 
 _INHERITED = frozenset(dir(BaseModel))
 

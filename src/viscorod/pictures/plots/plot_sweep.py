@@ -88,9 +88,7 @@ def _column(rows: pd.DataFrame, x: str, name: str) -> tuple[Any, Any]:
 def _numbers(sweep: Sweep, table: pd.DataFrame) -> list[str]:
     """Return the columns of numbers: the quantities that were asked for, else the figures that tell most."""
     asked = [name for name in sweep.quantities if name in table.columns]
-    figures = [
-        name for name in shown([member.figures() for member in sweep.completed]) if name in table.columns
-    ]
+    figures = shown([{name: 0.0 for name in FIGURES if name in table.columns}])
     found = [name for name in (*asked, *figures) if np.isfinite(table[name].to_numpy(dtype=float)).any()]
     if not found:
         raise InputError("the members of this sweep have no numbers; ask for quantities in vr.sweep")

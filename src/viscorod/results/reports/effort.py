@@ -29,11 +29,6 @@ def effort(result: Result) -> str:
     lines = [f"Effort: {', '.join(parts)}"] if parts else []
     if "linear_solver" in attrs:
         lines.append(f"Linear systems: {attrs['linear_solver']}")
-    if str(attrs.get("symmetry", "")).startswith("about"):
-        lines.append(
-            f"Symmetric {attrs['symmetry']}: solved for motions in it only. No motion leaves it, not even where it is "
-            'unstable: give a small imperfection to see that, or symmetry = "ignored" to let rounding begin it'
-        )
     if result.mesh_errors:
         lines.append(_mesh(result))
     if step_errors(attrs):

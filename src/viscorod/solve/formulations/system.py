@@ -97,8 +97,6 @@ class System(Protocol):
     dissipated: float
     """Power that loads dissipated in the last assembly [W]."""
     matrix: Matrix
-    stress: Floats
-    """Section forces about which the next assembly linearises, in the arrays of :meth:`elements`."""
     given_strain: Floats | None
     """Strains at the Gauss points ``(m, 6)``, in order of results, that a motion starts with; None: those of poses."""
 

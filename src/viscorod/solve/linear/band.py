@@ -1,4 +1,4 @@
-"""LU factors of narrow bands of square blocks in LAPACK's storage, and solutions with those of any band.
+"""LU factors of narrow bands of 6 x 6 blocks in LAPACK's storage, and solutions with those of any band.
 
 LAPACK's own factorisation (dgbtrf) pays a call per column for bands below 32, and takes no notice of the blocks: a
 column of the place ``o`` within its block has ``o`` entries fewer below the diagonal than the band is wide. The pivots
@@ -41,12 +41,12 @@ def _swap(column: Floats, distance: int) -> None:
 
 
 @part
-def factorise_band(values: Floats, far: int, block: int, n: int, pivots: Integers, reach: Integers) -> int:
+def factorise_band(values: Floats, far: int, n: int, pivots: Integers, reach: Integers) -> int:
     """Factorise a band in place.
 
     Args:
-        values: in LAPACK's storage for ``block far + 5`` diagonals on each side, ``n`` columns (a multiple of
-            ``block``, 3 or 6); then LU with reciprocal pivots.
+        values: in LAPACK's storage for ``6 far + 5`` diagonals on each side, ``n`` columns (a multiple of 6); then LU
+            with reciprocal pivots.
         far: so many blocks from the diagonal one there is something.
         pivots: rows, from 1 ``(n,)``.
         reach: of one entry, so many blocks above the diagonal one U has entries then.
@@ -54,20 +54,16 @@ def factorise_band(values: Floats, far: int, block: int, n: int, pivots: Integer
     Returns:
         0, or the number of a zero pivot, from 1.
     """
-    width = block * far + 5
+    width = 6 * far + 5
     stride = 3 * width + 1
     reach[0] = far
     end = 0  # of the columns in which the rows so far have entries
     for j in range(0, n, 2):
-        own, next_one = j // block, (j + 1) // block
-        below = min(block * (next_one + far + 1), n) - 1 - j
+        below = min(width - j % 6, n - 1 - j)
         place = j * stride + 2 * width
         p = _pivot(values[place:], below)
         if p < 0:
             return j + 1
-        pivots[j] = j + p + 1
-        if j + 1 == n:
-            break
         first = values[place + 1 :]
         column = values[place + stride - 1 :]
         _swap(column, p)
@@ -79,10 +75,10 @@ def factorise_band(values: Floats, far: int, block: int, n: int, pivots: Integer
         if q < 0:
             return j + 2
         second = column[2:]
-        pivots[j + 1] = j + q + 2
-        over, after = (j + p) // block + far, (j + 1 + q) // block + far
-        reach[0] = max(reach[0], over - own, after - next_one)
-        end = max(end, min(block * (max(over, after) + 1), n))
+        pivots[j], pivots[j + 1] = j + p + 1, j + q + 2
+        over = max(j + p, j + 1 + q) // 6 + far
+        reach[0] = max(reach[0], over - j // 6)
+        end = max(end, min(6 * over + 6, n))
         _swap(first, q)  # for a while, as in the columns
         beside = first[1:]
         for k in range(j + 2, end):
@@ -110,15 +106,12 @@ def subtract(columns: Floats, size: int, values: Floats, count: int, x: Floats) 
 
 
 @part
-def solve_band(
-    values: Floats, width: int, block: int, n: int, pivots: Integers, reach: int, b: Floats
-) -> None:
+def solve_band(values: Floats, width: int, n: int, pivots: Integers, reach: int, b: Floats) -> None:
     """Solve in place for ``b (n,)``; see :func:`factorise_band`.
 
     LAPACK's own loops pay a call per column, much for narrow bands.
     """
     stride = 3 * width + 1
-    far = (width - 5) // block
     for j in range(n):
         other = pivots[j] - 1
         x = b[other]
@@ -126,16 +119,14 @@ def solve_band(
         b[j] = x
         column = values[j * stride + 2 * width + 1 :]
         after = b[j + 1 :]
-        for i in range(min(block * (j // block + far + 1), n) - 1 - j):
+        for i in range(min(width - j % 6, n - 1 - j)):
             after[i] -= column[i] * x
-    for p in range(n - 6, -6, -6):
-        begin = max(p, 0)
-        for j in range(p + 5, begin - 1, -1):
-            column = values[j * stride + 2 * width - (j - begin) :]
-            x = b[j] * column[j - begin]
+    for p in range(n - 6, -1, -6):
+        for j in range(p + 5, p - 1, -1):
+            column = values[j * stride + 2 * width - (j - p) :]
+            x = b[j] * column[j - p]
             b[j] = x
-            for i in range(j - begin):
-                b[begin + i] -= column[i] * x
-        first = max(0, block * (p // block - reach))
-        if p > first:
-            subtract(values[p * stride + 2 * width - (p - first) :], stride - 1, b[p:], p - first, b[first:])
+            for i in range(j - p):
+                b[p + i] -= column[i] * x
+        first = max(0, p - 6 * reach)
+        subtract(values[p * stride + 2 * width - (p - first) :], stride - 1, b[p:], p - first, b[first:])

@@ -49,7 +49,7 @@ class DirectSolver:
         self.plan = plan
         self._sparse = None if plan.banded else _SparseLU(plan, self._kind)
         self.factors = Factors.of(plan, self._kind, self._sparse.callback.address if self._sparse else 0)
-        self.places = plan.components, plan.fronts[2], plan.kept, plan.targets
+        self.places = plan.fronts[2], plan.kept, plan.targets
 
     @property
     def description(self) -> str:
@@ -82,7 +82,6 @@ class DirectSolver:
         """Solve ``A x = b``, or ``A' x = b`` (not conjugated), in place for a contiguous ``(6 N,)`` or ``(N, 6)``."""
         assert b.flags.c_contiguous  # else a copy would be solved for
         if transposed:  # compiled only where it is asked for
-            assert self.plan.unknowns.whole
             from viscorod.solve.linear.transposed import substitute_transposed
 
             rest = self.factors.rest.copy()
@@ -103,22 +102,22 @@ class DirectSolver:
     @property
     def _condensed(self) -> int:
         """Number of unknowns that are eliminated first."""
-        return int(self.factors.groups[:, 0].sum())
+        return 6 * int(self.factors.groups[:, 0].sum())
 
 
 class _SparseLU:
     """SuperLU of what remains of a matrix; ``callback`` and ``transposed`` solve for a right side."""
 
     def __init__(self, plan: Plan, kind: type) -> None:
-        self._plan, self._kind, s = plan, kind, plan.unknowns.size
+        self._plan, self._kind = plan, kind
         rows, _, starts = plan.ordered[:3]
-        # every block column is several columns, each with the rows of all its blocks
+        # every block column is six columns, each with the rows of all its blocks
         index = [
-            np.tile((s * rows[begin:end, None] + np.arange(s)).ravel(), s)
+            np.tile((6 * rows[begin:end, None] + np.arange(6)).ravel(), 6)
             for begin, end in itertools.pairwise(starts)
         ]
         self._index = np.concatenate(index).astype(np.int32)
-        self._starts = np.concatenate([[0], np.cumsum(np.repeat(s * np.diff(starts), s))]).astype(np.int32)
+        self._starts = np.concatenate([[0], np.cumsum(np.repeat(6 * np.diff(starts), 6))]).astype(np.int32)
         self._lu: Any = None
         self.callback = Callback(partial(self._solve, "N"))
         self.transposed = Callback(partial(self._solve, "T"))

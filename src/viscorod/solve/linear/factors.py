@@ -39,10 +39,9 @@ class Factors(NamedTuple):
         fronts: 1 and -1 for BLAS, then the LU of all fronts with reciprocal pivots.
         vector: scratch, a right side of what remains and one of a front.
         integers: arguments and pivots, for LAPACK (int32).
-        rows: equations that remain, in their order, their unknowns, and all unknowns that are zero.
+        rows: block rows that remain, in their order ``(M,)``.
         groups, members: as in :attr:`Plan.fronts`.
-        rest: half width of the band; address of the sparse LU, 0 if there is none; what it is called with; number of
-            unknowns that remain; of those in a block.
+        rest: half width of the band; address of the sparse LU, 0 if there is none; what it is called with.
     """
 
     values: Floats
@@ -57,24 +56,22 @@ class Factors(NamedTuple):
     @classmethod
     def of(cls, plan: Plan, kind: type, address: int) -> Factors:
         """Allocate for the type ``kind`` (float, complex)."""
-        (groups, members, _), unknowns, block = plan.fronts, plan.unknowns, plan.unknowns.size
-        remaining = block * len(plan.rows)
-        size = remaining * (3 * plan.width + 1) if plan.banded else block**2 * len(plan.ordered.rows)
-        fronts: Floats = np.zeros(2 + int(np.sum(groups[:, 1] ** 2)), dtype=kind)
+        groups, members, _ = plan.fronts
+        remaining = 6 * len(plan.rows)
+        size = remaining * (3 * plan.width + 1) if plan.banded else 36 * len(plan.ordered.rows)
+        fronts: Floats = np.zeros(2 + int(np.sum(36 * groups[:, 1] ** 2)), dtype=kind)
         fronts[:2] = 1.0, -1.0
-        integers: Any = np.zeros(HEAD + remaining + int(groups[:, 0].sum()), dtype=np.int32)
-        rows = unknowns.equations[plan.rows].ravel(), unknowns.numbers[plan.rows].ravel(), unknowns.others
-        called_with = remaining * (1 + (kind is complex))
+        integers: Any = np.zeros(HEAD + remaining + 6 * int(groups[:, 0].sum()), dtype=np.int32)
         integers[:4] = LETTERS
         return cls(
             values=np.zeros(size, dtype=kind),
             fronts=fronts,
-            vector=np.zeros(remaining + int(groups[:, 1].max(initial=0)), dtype=kind),
+            vector=np.zeros(remaining + 6 * int(groups[:, 1].max(initial=0)), dtype=kind),
             integers=integers,
-            rows=np.concatenate(rows),
+            rows=plan.rows,
             groups=groups,
             members=members,
-            rest=np.array([plan.width if plan.banded else 0, address, called_with, remaining, block]),
+            rest=np.array([plan.width if plan.banded else 0, address, remaining * (1 + (kind is complex))]),
         )
 
 
@@ -122,13 +119,12 @@ def _exceed(front: Floats, n: int, size: int, bound: float) -> bool:
 
 
 @part
-def _factorise_rest(values: Floats, width: int, block: int, pivots: Integers, integers: Integers) -> int:
+def _factorise_rest(values: Floats, width: int, pivots: Integers, integers: Integers) -> int:
     """Factorise the band that remains; return 0 or the number of a zero pivot."""
     size = pivots.shape[0]
-    far = (width - 5) // block
     if width < BLOCKED:
-        return factorise_band(values, far, block, size, pivots, integers[REACH:])
-    integers[REACH] = 2 * far
+        return factorise_band(values, width // 6, size, pivots, integers[REACH:])
+    integers[REACH] = 2 * (width // 6)
     integers[4], integers[5], integers[6] = size, width, 3 * width + 1
     order, across, stride, result = integers[4:], integers[5:], integers[6:], integers[7:]
     gbtrf(values, (order, order, across, across, values, stride, pivots, result))
@@ -139,53 +135,9 @@ def _factorise_rest(values: Floats, width: int, block: int, pivots: Integers, in
     return int(integers[7])
 
 
-@part
-def _put_block(
-    blocks: Floats, slot: int, components: Integers, row: int, column: int, at: int, step: int, values: Floats
-) -> None:
-    """Write the entries of a block that are solved for to ``values[at + j step + i]``."""
-    count = components.shape[2]
-    if count == 6:
-        for j in range(6):
-            place = at + j * step
-            for i in range(6):
-                values[place + i] = blocks[slot, j, i]
-        return
-    for j in range(count):
-        place, b = at + j * step, components[1, column, j]
-        for i in range(count):
-            values[place + i] = blocks[slot, b, components[0, row, i]]
-
-
-@part
-def _put_front(
-    blocks: Floats,
-    components: Integers,
-    slots: Integers,
-    first: int,
-    n: int,
-    size: int,
-    front: Floats,
-) -> None:
-    """Write the matrix of a group of ``n`` of ``size`` unknowns, whose slots begin at ``first``; none beside it."""
-    count = components.shape[2]
-    inner, every = n // count, size // count
-    for c in range(every):
-        for r in range(every):
-            s = first + c * every + r
-            at = count * (c * size + r)
-            if slots[s, 0] >= 0 and (c < inner or r < inner):
-                _put_block(blocks, slots[s, 0], components, slots[s, 1], slots[s, 2], at, size, front)
-            else:
-                for j in range(count):
-                    for i in range(count):
-                        front[at + j * size + i] = 0.0
-
-
 @kernel
 def reduce(
     blocks: Floats,
-    components: Integers,
     slots: Integers,
     kept: Integers,
     targets: Integers,
@@ -199,7 +151,7 @@ def reduce(
 
     Args:
         blocks: the values.
-        components, slots, kept, targets: where they go to, as in :class:`~viscorod.solve.linear.plan.Plan`.
+        slots, kept, targets: where they go to, as in :class:`~viscorod.solve.linear.plan.Plan`.
         values, fronts, integers, groups, rest: see :class:`Factors`.
 
     Returns:
@@ -209,35 +161,44 @@ def reduce(
     for k in range(values.shape[0]):
         values[k] = 0.0
     for c in range(kept.shape[0]):
-        t = kept[c, 1]
-        _put_block(
-            blocks, kept[c, 0], components, kept[c, 2], kept[c, 3], targets[t, 0], targets[t, 1], values
-        )
-    count = components.shape[2]
+        s, t = kept[c, 0], kept[c, 1]
+        for j in range(6):
+            place = targets[t, 0] + j * targets[t, 1]
+            for i in range(6):
+                values[place + i] = blocks[s, j, i]
     slot = done = 0
     for g in range(groups.shape[0]):
-        n, size = groups[g, 0], groups[g, 1]
-        inner, every = n // count, size // count
+        inner, every = groups[g, 0], groups[g, 1]
+        size = 6 * every
         front = fronts[groups[g, 2] : groups[g, 2] + size * size]
-        _put_front(blocks, components, slots, slot, n, size, front)
-        bound = GROWTH * _largest(front, n, size)
-        _eliminate(front, fronts, n, size, integers[HEAD + done :], integers)
+        for c in range(every):
+            for r in range(every):
+                s = slots[slot + c * every + r]
+                for j in range(6):
+                    place = (6 * c + j) * size + 6 * r
+                    for i in range(6):
+                        if s < 0 or (c >= inner and r >= inner):
+                            front[place + i] = 0.0
+                        else:
+                            front[place + i] = blocks[s, j, i]
+        bound = GROWTH * _largest(front, 6 * inner, size)
+        _eliminate(front, fronts, 6 * inner, size, integers[HEAD + done :], integers)
         if integers[7] != 0:
             return int(done + integers[7])
-        if _exceed(front, n, size, bound):
+        if _exceed(front, 6 * inner, size, bound):
             return GROWN
-        for j in range(n):
+        for j in range(6 * inner):
             front[j * size + j] = 1.0 / front[j * size + j]
         for c in range(inner, every):
             for r in range(inner, every):
-                t = slots[slot + c * every + r, 0]
-                for j in range(count):
+                t = slots[slot + c * every + r]
+                for j in range(6):
                     place = targets[t, 0] + j * targets[t, 1]
-                    for i in range(count):
-                        values[place + i] += front[(count * c + j) * size + count * r + i]
+                    for i in range(6):
+                        values[place + i] += front[(6 * c + j) * size + 6 * r + i]
         slot += every * every
-        done += n
+        done += 6 * inner
     if rest[1] != 0:
         return 0
-    code = _factorise_rest(values, rest[0], count, integers[HEAD + done :], integers)
+    code = _factorise_rest(values, rest[0], integers[HEAD + done :], integers)
     return int(done + code) if code != 0 else 0

@@ -2,10 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
+from collections.abc import Callable
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from scipy import sparse
@@ -51,32 +49,12 @@ class Matrix:
         self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
         self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
         self._scaled = unit != 1.0
-        self._choose = plan
-
-    @cached_property
-    def plan(self) -> Plan:
-        """How it is factorised."""
-        return Plan.of(self.pattern) if self._choose is None else self._choose()
+        self._plan = plan
 
     @cached_property
     def solver(self) -> DirectSolver:
         """The direct solver, made when it is first needed."""
-        return DirectSolver(self.plan)
-
-    @contextmanager
-    def following(self, plan: Plan) -> Iterator[None]:
-        """Factorise and solve by another plan for a while, perhaps for some unknowns only."""
-        own: dict[str, Any] = {}
-        for name in ("plan", "solver"):
-            if name in vars(self):
-                own[name] = vars(self).pop(name)
-        self.plan = plan
-        try:
-            yield
-        finally:
-            vars(self).pop("solver", None)
-            del self.plan
-            vars(self).update(own)
+        return DirectSolver(Plan.of(self.pattern) if self._plan is None else self._plan())
 
     def clear(self) -> None:
         """Set all entries to zero."""

@@ -11,7 +11,6 @@ import numpy as np
 from viscorod.solve.linear.elimination import Elimination
 from viscorod.solve.linear.ordering import band_order, half_bandwidth, sparse_order
 from viscorod.solve.linear.pattern import Pattern
-from viscorod.solve.linear.unknowns import Unknowns
 from viscorod.typing import Integers
 
 NARROW = 12
@@ -26,7 +25,7 @@ class Plan:
     """One way to factorise the matrices of a pattern.
 
     Attributes:
-        unknowns: those that are solved for, by which all block rows are numbered here.
+        pattern: all blocks.
         elimination: groups that are eliminated first, and the remaining matrix (``M`` block rows).
         order: the remaining block rows in the order of elimination ``(M,)``, numbers within what remains.
         banded: as a band; else as a sparse matrix.
@@ -34,49 +33,39 @@ class Plan:
             of a real one [ns].
     """
 
-    unknowns: Unknowns
+    pattern: Pattern
     elimination: Elimination
     order: Integers
     banded: bool
     cost: float
 
     @classmethod
-    def of(
-        cls, pattern: Pattern, interiors: Iterable[Integers] = (), unknowns: Unknowns | None = None
-    ) -> Plan:
+    def of(cls, pattern: Pattern, interiors: Iterable[Integers] = ()) -> Plan:
         """Choose the cheapest.
 
         Args:
             pattern: all blocks.
             interiors: groups of block rows that couple with no other group, as the inner nodes of elements do; one
                 array ``(count, k)`` per size. Groups that do couple with others are left alone.
-            unknowns: those of this pattern that are solved for; all unless given.
         """
-        return min(plans(pattern, interiors, unknowns), key=lambda plan: plan.cost)
-
-    @property
-    def pattern(self) -> Pattern:
-        """Blocks between the unknowns that are solved for."""
-        return self.unknowns.pattern
+        return min(plans(pattern, interiors), key=lambda plan: plan.cost)
 
     @property
     def description(self) -> str:
         """The plan in words."""
-        unknowns = self.unknowns.size * len(self.order)
+        unknowns = 6 * len(self.order)
         rest = f"band of half width {self.width}" if self.banded else f"sparse LU of {unknowns} unknowns"
         return f"element interiors condensed, {rest}" if self.elimination.fronts else rest
 
     @cached_property
     def plain(self) -> Plan:
         """The cheapest plan without prior elimination; this one if it has none."""
-        if not self.elimination.fronts:
-            return self
-        return min(_plans(self.unknowns, ()), key=lambda plan: plan.cost)
+        return Plan.of(self.pattern) if self.elimination.fronts else self
 
     @cached_property
     def width(self) -> int:
-        """Half bandwidth of the remaining matrix, in unknowns, with room for a pair of columns in two blocks."""
-        return self.unknowns.size * half_bandwidth(self.elimination.remaining, self.order) + 5
+        """Half bandwidth of the remaining matrix, in unknowns."""
+        return 6 * half_bandwidth(self.elimination.remaining, self.order) + 5
 
     @cached_property
     def ordered(self) -> Pattern:
@@ -99,58 +88,44 @@ class Plan:
         Entry (i, j) of block s is at ``targets[s, 0] + j * targets[s, 1] + i``.
         """
         rows, columns, starts = self.ordered[:3]
-        s = self.unknowns.size
         if self.banded:
             step = np.full(len(rows), 3 * self.width)
-            return np.column_stack([s * columns * (step + 1) + 2 * self.width + s * (rows - columns), step])
-        step = s * np.diff(starts)[columns]
+            return np.column_stack([6 * columns * (step + 1) + 2 * self.width + 6 * (rows - columns), step])
+        step = 6 * np.diff(starts)[columns]
         first = starts[columns]
-        return np.column_stack([s * s * first + s * (np.arange(len(rows)) - first), step])
+        return np.column_stack([36 * first + 6 * (np.arange(len(rows)) - first), step])
 
     @cached_property
     def kept(self) -> Integers:
-        """Remaining blocks: numbers in the matrix and in what remains of it, block rows and columns ``(c, 4)``."""
-        place, pattern = self._place(), self.pattern
-        rows, columns = place[pattern.rows], place[pattern.columns]
+        """Remaining blocks: their number in the pattern, and in that of the remaining matrix ``(c, 2)``."""
+        place = self._place()
+        rows, columns = place[self.pattern.rows], place[self.pattern.columns]
         slots = np.flatnonzero((rows >= 0) & (columns >= 0))
-        found = _find(self.ordered, rows[slots], columns[slots])
-        return np.column_stack(
-            [self.unknowns.blocks[slots], found, pattern.rows[slots], pattern.columns[slots]]
-        )
-
-    @cached_property
-    def components(self) -> Integers:
-        """Places, 0 to 5, of the equations and of the unknowns in the blocks of the matrix ``(2, block rows, s)``."""
-        return np.ascontiguousarray(np.stack([self.unknowns.equations, self.unknowns.numbers]) % 6)
+        return np.column_stack([slots, _find(self.ordered, rows[slots], columns[slots])])
 
     @cached_property
     def fronts(self) -> tuple[Integers, Integers, Integers]:
         """The groups that are eliminated, for compiled code.
 
         Returns:
-            groups: ``(g, 3)``, numbers of unknowns in the group and in all, and where its matrix begins.
-            members: unknowns ``(sum of all,)``; those that remain are numbered in the order of elimination.
-            slots: blocks ``(sum of squares, 3)``, column by column: numbers in the matrix, -1 if it has none (between
-                rows that remain, numbers in what remains), their block rows and columns.
+            groups: ``(g, 3)``, numbers of block rows in the group and in all, and where its matrix begins.
+            members: block rows ``(sum of all,)``; those that remain are numbered in the order of elimination.
+            slots: blocks ``(sum of squares,)``, column by column: numbers in the pattern, -1 if it has none; between
+                rows that remain, numbers in what remains.
         """
-        place, s = self._place(), self.unknowns.size
-        groups, members, slots = [np.zeros((0, 2), int)], [np.zeros(0, int)], [np.zeros((0, 3), int)]
-        within, blocks = np.arange(s), np.append(self.unknowns.blocks, -1)
+        place = self._place()
+        groups, members, slots = [np.zeros((0, 2), int)], [np.zeros(0, int)], [np.zeros(0, int)]
         for interior, boundary in self.elimination.fronts:
             k, size = interior.shape[1], interior.shape[1] + boundary.shape[1]
             edge = place[boundary]
             every = np.column_stack([interior, boundary])
-            found = blocks[_find(self.pattern, every[:, None, :], every[:, :, None])]
+            found = _find(self.pattern, every[:, None, :], every[:, :, None])
             found[:, k:, k:] = _find(self.ordered, edge[:, None, :], edge[:, :, None])
-            groups.append(np.tile([s * k, s * size], (len(interior), 1)))
-            own = self.unknowns.numbers[interior].reshape(len(interior), -1)
-            members.append(
-                np.column_stack([own, (s * edge[:, :, None] + within).reshape(len(edge), -1)]).ravel()
-            )
-            where = np.broadcast_arrays(found, every[:, None, :], every[:, :, None])
-            slots.append(np.stack(where, axis=-1).reshape(-1, 3))
+            groups.append(np.tile([k, size], (len(interior), 1)))
+            members.append(np.column_stack([interior, edge]).ravel())
+            slots.append(found.ravel())
         sizes = np.concatenate(groups)
-        begins = 2 + np.concatenate([[0], np.cumsum(sizes[:, 1] ** 2)])[:-1]
+        begins = 2 + np.concatenate([[0], np.cumsum(36 * sizes[:, 1] ** 2)])[:-1]
         return np.column_stack([sizes, begins]), np.concatenate(members), np.concatenate(slots)
 
     def _place(self) -> Integers:
@@ -160,33 +135,22 @@ class Plan:
 
     def unknown(self, row: int) -> int:
         """Return the unknown (of all) that is number ``row`` in the order of elimination of what remains."""
-        place, component = divmod(row, self.unknowns.size)
-        return int(self.unknowns.numbers[self.rows[place], component])
+        return int(6 * self.rows[row // 6] + row % 6)
 
 
-def plans(
-    pattern: Pattern, interiors: Iterable[Integers] = (), unknowns: Unknowns | None = None
-) -> Iterator[Plan]:
+def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan]:
     """Yield all ways that might be good."""
-    if unknowns is None:
-        return _plans(Unknowns.every(pattern), interiors)
-    return _plans(unknowns, [own for group in interiors if (own := unknowns.own(group)).min(initial=0) >= 0])
-
-
-def _plans(unknowns: Unknowns, interiors: Iterable[Integers]) -> Iterator[Plan]:
-    pattern, s = unknowns.pattern, unknowns.size
     alone = Elimination.of(pattern, ())
     condensed = Elimination.of(pattern, interiors)
     for elimination in (alone, condensed) if condensed.fronts else (alone,):
         rest = elimination.remaining
         order = band_order(rest)
-        far, n = half_bandwidth(rest, order), s * rest.size
-        before = elimination.cost(s)
-        yield Plan(unknowns, elimination, order, True, before + _band_cost(n, s * far + 5))
+        far, n = half_bandwidth(rest, order), 6 * rest.size
+        before = elimination.cost
+        yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5))
         if far > NARROW:
             order, flops = sparse_order(rest)
-            cost = 1.5e3 * n + flops * (s / 6.0) ** 3 / 4.0
-            yield Plan(unknowns, elimination, order, False, before + cost)
+            yield Plan(pattern, elimination, order, False, before + 1.5e3 * n + flops / 4.0)
 
 
 def _band_cost(n: int, width: int) -> float:

@@ -18,58 +18,51 @@ def _forward(front: Floats, n: int, size: int, pivots: Integers, x: Floats) -> N
         x[other] = x[j]
         x[j] = value
     for p in range(0, n, 6):
-        below = min(p + 6, n)
-        for j in range(p, below - 1):
-            for i in range(j + 1, below):
+        for j in range(p, p + 5):
+            for i in range(j + 1, p + 6):
                 x[i] -= front[j * size + i] * x[j]
-        _subtract(front[p * size + below :], size, below - p, x[p:], size - below, x[below:])
+        below = p + 6
+        subtract(front[p * size + below :], size, x[p:], size - below, x[below:])
 
 
 @part
 def _backward(front: Floats, n: int, size: int, x: Floats) -> None:
     """Solve for the first ``n`` of ``size`` unknowns ``x`` of a front; the others are known."""
     for p in range(n, size, 6):
-        _subtract(front[p * size :], size, min(6, size - p), x[p:], n, x)
-    for p in range((n - 1) // 6 * 6, -1, -6):
-        beyond = min(p + 6, n)
-        for j in range(beyond - 1, p - 1, -1):
+        subtract(front[p * size :], size, x[p:], n, x)
+    for p in range(n - 6, -1, -6):
+        for j in range(p + 5, p - 1, -1):
             x[j] *= front[j * size + j]
             for i in range(p, j):
                 x[i] -= front[j * size + i] * x[j]
-        _subtract(front[p * size :], size, beyond - p, x[p:], p, x)
+        subtract(front[p * size :], size, x[p:], p, x)
 
 
 @part
-def _subtract(columns: Floats, size: int, number: int, values: Floats, count: int, x: Floats) -> None:
-    """Do what :func:`subtract` does with a ``number`` of columns, six at most."""
-    if number == 6:
-        subtract(columns, size, values, count, x)
-        return
-    for j in range(number):
-        column, value = columns[j * size :], values[j]
-        for i in range(count):
-            x[i] -= column[i] * value
-
-
-@part
-def take(b: Floats, numbers: Integers, count: int, x: Floats) -> None:
-    """Write the first ``count`` of some unknowns of ``b`` into ``x``, one after the other."""
+def take(b: Floats, rows: Integers, count: int, x: Floats) -> None:
+    """Write the first ``count`` of some block rows of ``b`` into ``x``, one after the other."""
     for k in range(count):
-        x[k] = b[numbers[k]]
+        at = 6 * rows[k]
+        for a in range(6):
+            x[6 * k + a] = b[at + a]
 
 
 @part
-def put(x: Floats, numbers: Integers, count: int, b: Floats) -> None:
+def put(x: Floats, rows: Integers, count: int, b: Floats) -> None:
     """Undo :func:`take`."""
     for k in range(count):
-        b[numbers[k]] = x[k]
+        at = 6 * rows[k]
+        for a in range(6):
+            b[at + a] = x[6 * k + a]
 
 
 @part
-def add(x: Floats, numbers: Integers, count: int, b: Floats) -> None:
+def add(x: Floats, rows: Integers, count: int, b: Floats) -> None:
     """Add what :func:`put` writes."""
     for k in range(count):
-        b[numbers[k]] += x[k]
+        at = 6 * rows[k]
+        for a in range(6):
+            b[at + a] += x[6 * k + a]
 
 
 @kernel
@@ -85,37 +78,36 @@ def substitute(
     b: Floats,
 ) -> None:
     """Solve in place for ``b (6 N,)``; the others are those of :class:`~viscorod.solve.linear.factors.Factors`."""
-    remaining = rest[3]
-    take(b, rows, remaining, vector)
+    count = rows.shape[0]
+    remaining = 6 * count
+    take(b, rows, count, vector)
     x = vector[remaining:]
     member = done = 0
     for g in range(groups.shape[0]):
-        n, size = groups[g, 0], groups[g, 1]
-        own, around = members[member:], members[member + n :]
-        take(b, own, n, x)
-        for k in range(n, size):
+        inner, every = groups[g, 0], groups[g, 1]
+        own, around = members[member:], members[member + inner :]
+        take(b, own, inner, x)
+        for k in range(6 * inner, 6 * every):
             x[k] = 0.0
-        _forward(fronts[groups[g, 2] :], n, size, integers[HEAD + done :], x)
-        put(x, own, n, b)
-        add(x[n:], around, size - n, vector)
-        member += size
-        done += n
+        _forward(fronts[groups[g, 2] :], 6 * inner, 6 * every, integers[HEAD + done :], x)
+        put(x, own, inner, b)
+        add(x[6 * inner :], around, every - inner, vector)
+        member += every
+        done += 6 * inner
     if rest[1] == 0:
-        solve_band(values, rest[0], rest[4], remaining, integers[HEAD + done :], integers[REACH], vector)
+        solve_band(values, rest[0], remaining, integers[HEAD + done :], integers[REACH], vector)
     else:
         call(rest[1], vector.ctypes, rest[2])
     member = 0
     for g in range(groups.shape[0]):
-        n, size = groups[g, 0], groups[g, 1]
-        own, around = members[member:], members[member + n :]
-        take(b, own, n, x)
-        take(vector, around, size - n, x[n:])
-        _backward(fronts[groups[g, 2] :], n, size, x)
-        put(x, own, n, b)
-        member += size
-    put(vector, rows[remaining:], remaining, b)
-    for k in range(2 * remaining, rows.shape[0]):
-        b[rows[k]] = 0.0
+        inner, every = groups[g, 0], groups[g, 1]
+        own, around = members[member:], members[member + inner :]
+        take(b, own, inner, x)
+        take(vector, around, every - inner, x[6 * inner :])
+        _backward(fronts[groups[g, 2] :], 6 * inner, 6 * every, x)
+        put(x, own, inner, b)
+        member += every
+    put(vector, rows, count, b)
 
 
 @part

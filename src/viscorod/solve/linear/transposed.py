@@ -76,36 +76,36 @@ def substitute_transposed(
 ) -> None:
     """Solve ``A' x = b (6 N,)`` in place; the others are those of :class:`~viscorod.solve.linear.factors.Factors`.
 
-    A sparse LU is called at the address in ``rest``, which has to be that of its transposed solution. Solved for
-    are all unknowns.
+    A sparse LU is called at the address in ``rest``, which has to be that of its transposed solution.
     """
-    remaining = rest[3]
-    take(b, rows, remaining, vector)
+    count = rows.shape[0]
+    remaining = 6 * count
+    take(b, rows, count, vector)
     x = vector[remaining:]
     member = done = 0
     for g in range(groups.shape[0]):
-        n, size = groups[g, 0], groups[g, 1]
-        own, around = members[member:], members[member + n :]
-        take(b, own, n, x)
-        for k in range(n, size):
+        inner, every = groups[g, 0], groups[g, 1]
+        own, around = members[member:], members[member + inner :]
+        take(b, own, inner, x)
+        for k in range(6 * inner, 6 * every):
             x[k] = 0.0
-        _forward(fronts[groups[g, 2] :], n, size, x)
-        put(x, own, n, b)
-        add(x[n:], around, size - n, vector)
-        member += size
-        done += n
+        _forward(fronts[groups[g, 2] :], 6 * inner, 6 * every, x)
+        put(x, own, inner, b)
+        add(x[6 * inner :], around, every - inner, vector)
+        member += every
+        done += 6 * inner
     if rest[1] == 0:
         _solve_band(values, rest[0], remaining, integers[HEAD + done :], vector)
     else:
         call(rest[1], vector.ctypes, rest[2])
     member = done = 0
     for g in range(groups.shape[0]):
-        n, size = groups[g, 0], groups[g, 1]
-        own, around = members[member:], members[member + n :]
-        take(b, own, n, x)
-        take(vector, around, size - n, x[n:])
-        _backward(fronts[groups[g, 2] :], n, size, integers[HEAD + done :], x)
-        put(x, own, n, b)
-        member += size
-        done += n
-    put(vector, rows, remaining, b)
+        inner, every = groups[g, 0], groups[g, 1]
+        own, around = members[member:], members[member + inner :]
+        take(b, own, inner, x)
+        take(vector, around, every - inner, x[6 * inner :])
+        _backward(fronts[groups[g, 2] :], 6 * inner, 6 * every, integers[HEAD + done :], x)
+        put(x, own, inner, b)
+        member += every
+        done += 6 * inner
+    put(vector, rows, count, b)

@@ -95,11 +95,6 @@ class SimulateSettings(Meshed):
         "answers to products of modes beside them; left out: in the velocities of all nodes",
         default=None,
     )
-    symmetry: Annotated[Literal["used", "ignored"], one_of("used", "ignored")] = Key(
-        "a motion whose shape, sections, supports, loads and start are symmetric about a plane is solved for in that "
-        'plane only ("used"), or like any other ("ignored"), so that rounding may grow to motions out of it',
-        default="used",
-    )
     events: Events = Key(
         "what is watched for and recorded, and may end the run: `Crossing`, `Decayed`, `SteadyState`",
         default=(),

@@ -38,7 +38,7 @@ def find_addresses(
     real, pairs, real_rows, pair_rows, scales = integrator.systems.factors
     now, old, reading, found, h = given.now, given.last, model.reading, states, 1.0
     where = body.supports, directions, body.pattern, scales
-    sides = now.r, now.q, body.split, body.held, model.others
+    sides = now.r, now.q, body.split, body.held
     last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
     begin = ResultFields(given.points[0], given.reactions[0])
     account, target = integrator.account, integrator.actions.motion.target

@@ -105,7 +105,6 @@ class ManySteps:
             lent.parts,
             lent.reading,
             predictor.gap,
-            predictor.others,
         )
         self._systems = loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
         rows = MOST_ROWS

@@ -109,13 +109,13 @@ class Collocation:
         self.forces = system.element_forces(body.elements, stages)
         if driven:
             self.forces.take_rest(self.stages.rest, self.stages.rest_rate)
-        self.predictor = Predictor(body, self.stages, tableau, system.matrix.plan.unknowns.others)
+        self.predictor = Predictor(body, self.stages, tableau)
         self.stage_constraints = (
             StageConstraints(system.constraints, tableau) if problem.constrained else None
         )
         memory = system.relaxation
         self.dashpots = None if memory is None else StageDashpots(memory, body, tableau)
-        self.systems = StageSystems(body, system.matrix.scales, tableau, system.matrix.plan, self.dashpots)
+        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.dashpots)
         self.recorder = StepRecorder(
             body,
             self.actions.motion,

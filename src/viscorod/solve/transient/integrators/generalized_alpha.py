@@ -131,7 +131,6 @@ class GeneralizedAlpha:
         self._map = np.zeros((n, 6, 6))
         self._fresh = True
         self._held = supports.set.nodes[supports.complete]
-        self._others = system.matrix.plan.unknowns.others  # what is not solved for does not move
         self._retract, self._inverse = KnownTypes(retract), KnownTypes(inverse_motion_tangent)
         self._add_rate, self._add_mapped = KnownTypes(inertia.add_momentum_rate), KnownTypes(add_mapped)
 
@@ -352,7 +351,6 @@ class GeneralizedAlpha:
             system.relaxation.set_step(t - self.t)
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
-        increment.reshape(-1)[self._others] = 0.0
         new = old.copy()
         convergence = Convergence(system.problem.length, self.newton_tolerance, self.iterations)
         count, imbalance, node = 0, 0.0, 0

@@ -39,7 +39,7 @@ bounds; an exception in Python."""
 
 
 class LoopModel(NamedTuple):
-    """What is as for one step, see ``try_step``, and ``gap`` and ``others`` as for the predictor."""
+    """What is as for one step, see ``try_step``, and ``gap`` as for the predictor."""
 
     body: Discretisation
     motion: SupportMotion
@@ -47,7 +47,6 @@ class LoopModel(NamedTuple):
     parts: StepParts
     reading: Reading
     gap: Floats
-    others: Integers
 
 
 class LoopSystems(NamedTuple):
@@ -55,7 +54,6 @@ class LoopSystems(NamedTuple):
 
     real: Floats
     pairs: Floats
-    components: Integers
     slots: Integers
     kept: Integers
     targets: Integers

@@ -12,7 +12,7 @@ from viscorod.mechanics.rotations.nodal_motion import extrapolate
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
 
 class Predictor:
@@ -24,17 +24,16 @@ class Predictor:
 
     Args:
         body, stages, tableau: of the method; ``stages.X`` and ``stages.stress`` are written.
-        others: unknowns, of all, whose changes are not solved for: none of them moves.
 
     Attributes:
         X, stresses: coordinates of the last step's stages ``(s, n, 6)``, and stresses at its start and at its stages
             ``(s + 1, e, points, 6)``; written from outside (see ``record_kernels``).
     """
 
-    unsaved = frozenset({"gap", "others", "_stages_stress", "_stress", "_weights"})
+    unsaved = frozenset({"gap", "_stages_stress", "_stress", "_weights"})
 
-    def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau, others: Integers) -> None:
-        self.body, self.stages, self.tableau, self.others = body, stages, tableau, others
+    def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
+        self.body, self.stages, self.tableau = body, stages, tableau
         s = len(tableau.nodes)
         self._several = s > 1
         through = np.poly(tableau.nodes)
@@ -72,7 +71,6 @@ class Predictor:
         if old is None:
             np.multiply.outer(tableau.nodes * h, state.twist, out=stages.X)
             stages.X[:, body.held != 0.0] = 0.0
-            stages.X.reshape(len(stages.X), -1)[:, self.others] = 0.0
             stages.stress[:] = stress
             return
         self.extrapolation.call(
@@ -84,7 +82,6 @@ class Predictor:
             state.q,
             body.split,
             body.held,
-            self.others,
             self._weights,
             stages.X,
             self._stages_stress,
@@ -117,7 +114,6 @@ def extrapolate_step(
     q1: Floats,
     split: Floats,
     held: Floats,
-    others: Integers,
     weights: Floats,
     new_X: Floats,
     new_stress: Floats,
@@ -128,7 +124,6 @@ def extrapolate_step(
         gap: coefficients of the powers 1 to s + 1 of the place in the step, of a coordinate whose rate is one at the
             start and zero at the stages.
         h: new step [s]; r1, q1: start of the new step; split, held: as in ``motion.extrapolate``.
-        others: unknowns that stay zero, in which rounding would grow from step to step.
         weights: scratch ``(s, s + 1)``.
         new_X, new_stress: outputs ``(s, n, 6)``, ``(s, numbers)``.
     """
@@ -161,6 +156,3 @@ def extrapolate_step(
             weights[i, j] -= correction * method.start_derivative[j]
         weights[i, s] = correction * last.h
     extrapolate(last.r, last.q, last.twist, last.X, weights, r1, q1, split, held, new_X)
-    for i in range(s):
-        for k in range(others.shape[0]):
-            new_X[i, others[k] // 6, others[k] % 6] = 0.0

@@ -143,7 +143,7 @@ def factorise(model: LoopModel, method: Tableau, systems: LoopSystems, calls: Ad
     K, C, mass, _, directions, _ = model.parts.matrices
     factors, supports, pattern = model.parts.factors, model.body.supports, model.body.pattern
     real, pairs, scales = factors.real, factors.pairs, factors.scales
-    places = (systems.components, systems.slots, systems.kept, systems.targets)
+    slots, kept, targets = systems.slots, systems.kept, systems.targets
     matrices = (K, C, mass)
     with_real = (supports, directions, pattern, scales, factors.real_rows, systems.real)
     _do(calls.combine_real, (*matrices, method.real / h, *with_real))
@@ -151,11 +151,11 @@ def factorise(model: LoopModel, method: Tableau, systems: LoopSystems, calls: Ad
         with_pair = (supports, directions, pattern, scales, factors.pair_rows[m], systems.pairs[m])
         _do(calls.combine_pair, (*matrices, method.pairs[m] / h, *with_pair))
     given = (real.values, real.fronts, real.integers, real.groups, real.rest)
-    if _factorise(calls.reduce_real, (systems.real, *places, *given)) != 0:
+    if _factorise(calls.reduce_real, (systems.real, slots, kept, targets, *given)) != 0:
         return False
     for m in range(method.pairs.shape[0]):
         one = (pairs.values[m], pairs.fronts[m], pairs.integers[m], pairs.groups, pairs.rest[m])
-        if _factorise(calls.reduce_pair, (systems.pairs[m], *places, *one)) != 0:
+        if _factorise(calls.reduce_pair, (systems.pairs[m], slots, kept, targets, *one)) != 0:
             return False
     return True
 
@@ -230,7 +230,7 @@ def attempt(
         numbers[FACTORISED] += 1
     now, old = state.now, state.last
     last = LastStep(clock[LAST_STEP], old.r, old.q, old.twist, state.kept.X, state.stress)
-    where = (now.r, now.q, model.body.split, model.body.held, model.others)
+    where = (now.r, now.q, model.body.split, model.body.held)
     _do(
         calls.predict,
         (method, model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
