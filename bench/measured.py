@@ -198,7 +198,7 @@ def strip_at_temperatures(folder: Path, _hanging: bool) -> None:
         strip = vr.Rod(vr.Straight((0.0, 0.0, 0.0), (0.15, 0.0, 0.0)), vr.Rectangle(0.02, 0.002), material)
         model.add("strip", strip)
         model.clamp("strip.start")
-        model.force("strip.end", (0.0, 0.0, 0.02), until=0.0)
+        model.force("strip.end", (0.0, 0.0, 0.5), until=0.0)
         run = model.simulate(0.6)
         found = vr.decay(run, place="strip.end", direction="z", modes=1)
         hertz, ratio = found.frequencies[0], found.damping_ratios[0]

@@ -103,7 +103,8 @@ def test_records_of_one_case_keep_their_own_numbers():
         history(swing(load), name, seed=seed, unknown=pull)
         for load, name, seed in ((0.022, "first", 1), (0.015, "second", 2))
     )
-    fit = vr.identify(swing(), [first, second, history(swing(), "third", seed=3)], {YOUNG: 1.05e6})
+    third = history(swing(), "third, 5 g", seed=3, unknown=["offset"])  # a name that is none of a key
+    fit = vr.identify(swing(), [first, second, third], {YOUNG: 1.05e6})
     for name, true in (("first.pull", 0.022), ("second.pull", 0.015), (YOUNG, 1e6)):
         assert fit[name].value == pytest.approx(true, rel=0.01), name
     assert fit.residuals.std() == pytest.approx(2e-3, rel=0.1)

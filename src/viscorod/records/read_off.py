@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import finite
+from viscorod.results.probe import fields_at, instants_of
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -124,10 +125,10 @@ def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn
         )
     waiting = times < known[0]
     inside = np.clip(times, known[0], known[-1])
-    found = result.probe(record.place, np.concatenate([[known[0]], inside])).isel(place=0)
+    found = _probed(result, record, np.concatenate([[known[0]], inside]))
     if record.quantity == "strain":
         return strain_along(found, record.direction, lever)[1:]
-    frame = np.asarray(found["frame"].values, dtype=float)
+    frame = found["frame"]
     vector = _VECTORS[record.quantity](result, record.place, found, lever, frame)[1:]
     if record.quantity in ("velocity", "acceleration"):
         vector[waiting] = 0.0
@@ -143,11 +144,23 @@ def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn
     return along
 
 
+_OF_RODS = {"strain": ("strain",), "force": ("section_force",)}
+"""Fields of rods that quantities need; the others take longer than the rest."""
+
+
+def _probed(result: Any, record: Record, times: Floats) -> dict[str, Floats]:
+    """Return the fields of a run at the place of a record (n, ...) each, those that it needs."""
+    fields = fields_at(
+        result, [result.sites.at(record.place)], instants_of(result, times), _OF_RODS.get(record.quantity, ())
+    )
+    return {"time": times, **{name: field[:, 0] for name, field in fields.items()}}
+
+
 def strain_along(found: Any, direction: Floats | str, lever: Floats) -> Floats:
     """Return a component of strain, or the axial strain at a point of the section, of a place that was probed."""
     if "strain" not in found:
         raise InputError("a place on a body has no strains; give a place on a rod")
-    strain = np.asarray(found["strain"].values, dtype=float)
+    strain = np.asarray(found["strain"], dtype=float)
     if direction == "axial":
         along: Floats = strain[:, 2] + strain[:, 3] * lever[1] - strain[:, 4] * lever[0]
         return along
@@ -157,12 +170,12 @@ def strain_along(found: Any, direction: Floats | str, lever: Floats) -> Floats:
 
 
 def _position(_result: Any, _place: str, found: Any, lever: Floats, frame: Floats) -> Floats:
-    at: Floats = found["position"].values + frame @ lever
+    at: Floats = found["position"] + frame @ lever
     return at
 
 
 def _displacement(result: Any, place: str, found: Any, lever: Floats, frame: Floats) -> Floats:
-    moved = np.asarray(found["displacement"].values, dtype=float)
+    moved = np.asarray(found["displacement"], dtype=float)
     if not lever.any():
         return moved
     from viscorod.mechanics.rotations.quaternion import matrices
@@ -174,12 +187,10 @@ def _displacement(result: Any, place: str, found: Any, lever: Floats, frame: Flo
 
 
 def _velocity(_result: Any, _place: str, found: Any, lever: Floats, frame: Floats) -> Floats:
-    velocity = np.asarray(found["velocity"].values, dtype=float)
+    velocity = np.asarray(found["velocity"], dtype=float)
     if not lever.any():
         return velocity
-    by_turning: Floats = velocity + np.einsum(
-        "tij,tj->ti", frame, np.cross(found["angular_velocity"].values, lever)
-    )
+    by_turning: Floats = velocity + np.einsum("tij,tj->ti", frame, np.cross(found["angular_velocity"], lever))
     return by_turning
 
 
@@ -187,16 +198,18 @@ def _acceleration(result: Any, place: str, found: Any, lever: Floats, _frame: Fl
     """Return the slope of the cubic spline through the stored velocities (errors of order 3 in the time between)."""
     from scipy.interpolate import CubicSpline
 
-    stored = result.probe(place).isel(place=0)
-    velocity = _velocity(result, place, stored, lever, np.asarray(stored["frame"].values, dtype=float))
-    slope: Floats = CubicSpline(result.time, velocity, axis=0)(found["time"].values, 1)
+    stored = {
+        name: field[:, 0] for name, field in fields_at(result, [result.sites.at(place)], None, ()).items()
+    }
+    velocity = _velocity(result, place, stored, lever, stored["frame"])
+    slope: Floats = CubicSpline(result.time, velocity, axis=0)(found["time"], 1)
     return slope
 
 
 def _force(_result: Any, _place: str, found: Any, _lever: Floats, frame: Floats) -> Floats:
     if "section_force" not in found:
         raise InputError("a place on a body has no section forces; give a place on a rod")
-    turned: Floats = np.einsum("tij,tj->ti", frame, found["section_force"].values[:, :3])
+    turned: Floats = np.einsum("tij,tj->ti", frame, found["section_force"][:, :3])
     return turned
 
 

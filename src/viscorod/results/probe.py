@@ -136,11 +136,20 @@ def instants_of(run: Run, times: Any) -> Instants:
 
 
 def fields_at(
-    result: Result, sites: Sequence[ResultPlace], instants: Instants | None = None
+    result: Result,
+    sites: Sequence[ResultPlace],
+    instants: Instants | None = None,
+    of_rods: Sequence[str] = FIELDS,
 ) -> dict[str, Floats]:
-    """Return all fields of sites, either all on rods or all on bodies, ``(states or times, sites, ...)`` each."""
-    on_body = sites[0].rod in result.sites.bodies
-    return (_OfBodies if on_body else _OfRods)(result, sites, instants).fields()
+    """Return all fields of sites, either all on rods or all on bodies, ``(states or times, sites, ...)`` each.
+
+    Args:
+        result: that has them; sites: where; instants: when, left out in all stored states.
+        of_rods: which of the fields that bodies do not have.
+    """
+    if sites[0].rod in result.sites.bodies:
+        return _OfBodies(result, sites, instants).fields()
+    return _OfRods(result, sites, instants, of_rods).fields()
 
 
 def poses_at(run: Result, stations: Integers, instants: Instants) -> Poses:
@@ -228,8 +237,14 @@ class _OfBodies:
 class _OfRods:
     """Fields at places of rods."""
 
-    def __init__(self, result: Result, chosen: Sequence[ResultPlace], instants: Instants | None) -> None:
-        self._read = PartsRead(result, instants)
+    def __init__(
+        self,
+        result: Result,
+        chosen: Sequence[ResultPlace],
+        instants: Instants | None,
+        of_rods: Sequence[str] = FIELDS,
+    ) -> None:
+        self._read, self._names = PartsRead(result, instants), of_rods
         self._count = len(chosen)
         self._stencil = Stencil.of(result.data, result.sites, chosen)
 
@@ -243,7 +258,7 @@ class _OfRods:
             read.at("reference_rotation", "station", stations),
         )
         at_points = {
-            name: read.at(name, "point", points) for name in FIELDS if read.has(name) and points.size
+            name: read.at(name, "point", points) for name in self._names if read.has(name) and points.size
         }
         parts: list[dict[str, Floats]] = []
         for group in stencil.groups:

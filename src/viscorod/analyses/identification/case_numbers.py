@@ -34,14 +34,23 @@ def case_with(case: Case, values: Mapping[str, float]) -> Case:
     return case_from_dict({"title": case.title, **content}, case.source)
 
 
-def number_at(case: Case, name: str) -> float | None:
+def number_at(case: Case, name: str, *, strict: bool = False) -> float | None:
     """Return the number that a case has at a key; None where it has none.
 
+    Args:
+        case: that may have it; name: key, or several of numbers that are equal.
+        strict: whether what cannot be a key is refused: names of records, and of their unknowns, may have blanks.
+
     Raises:
-        InputError: there is something else.
+        InputError: there is something else, or, if strict, this is no key.
     """
     for key in keys_of(name):
-        place, last = _place(case.content, key)
+        try:
+            place, last = _place(case.content, key)
+        except InputError:
+            if strict:
+                raise
+            continue
         if place is None:
             continue
         try:

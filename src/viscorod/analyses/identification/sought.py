@@ -99,7 +99,7 @@ def _range(name: str, given: Range, start: float | None) -> tuple[float, float, 
 
 
 def _of_case(members: Sequence[Member], name: str, given: Range, *, nuisance: bool) -> Unknown:
-    having = [number for one in members if (number := number_at(one.case, name)) is not None]
+    having = [number for one in members if (number := number_at(one.case, name, strict=True)) is not None]
     if not having:
         instead = "give the path of a number of a case, or the name of an unknown of a record"
         raise InputError(Fault(name, "", "no case has a number there", instead))
