@@ -48,4 +48,4 @@ def __getattr__(name: str) -> object:
         raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
     from viscorod.attributes import UnknownAttributeError
 
-    raise UnknownAttributeError.of(None, name, [*__all__, "damping"], called=__name__)
+    raise UnknownAttributeError.of(None, name, lambda: [*__all__, "damping"], called=__name__)

@@ -2,29 +2,52 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any, Self
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, problems_text
 from viscorod.wording import did_you_mean, some_of
 
 __all__ = ["UnknownAttributeError", "WellNamed"]
 
 
 class UnknownAttributeError(InputError, AttributeError):
-    """An object has no attribute of this name."""
+    """An object has no attribute of this name.
+
+    The nearest name is looked for when the message is read: ``hasattr`` asks for many names, and reads none.
+    """
+
+    def __init__(self, called: str, name: str, known: Callable[[], list[str]] | list[str]) -> None:
+        ValueError.__init__(self)
+        self._called, self._name, self._known = called, name, known
+        self.heading = ""
 
     @classmethod
-    def of(cls, owner: object, name: str, known: list[str] | None = None, *, called: str = "") -> Self:
-        """Return the error for a name that an object has not, with the nearest that it has."""
-        words = known if known is not None else [word for word in dir(owner) if not word.startswith("_")]
-        advice = did_you_mean(name, words, str)
-        return cls(
-            Fault(
-                f"{called or type(owner).__name__}.{name}",
-                "",
-                f"there is no attribute {name!r}",
-                advice.strip() or f"it has {some_of(words)}",
-            )
+    def of(
+        cls, owner: object, name: str, known: Callable[[], list[str]] | None = None, *, called: str = ""
+    ) -> Self:
+        """Return the error for a name that an object has not."""
+
+        def public() -> list[str]:
+            return [word for word in dir(owner) if not word.startswith("_")]
+
+        return cls(called or type(owner).__name__, name, known or public)
+
+    @property
+    def problems(self) -> tuple[Fault, ...]:
+        """What is wrong, with the nearest name that there is."""
+        words = self._known if isinstance(self._known, list) else self._known()
+        advice = did_you_mean(self._name, words, str).strip() or f"it has {some_of(words)}"
+        return (Fault(f"{self._called}.{self._name}", "", f"there is no attribute {self._name!r}", advice),)
+
+    def __str__(self) -> str:
+        return problems_text(self.problems, self.heading)
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (
+            self._called,
+            self._name,
+            self._known if isinstance(self._known, list) else self._known(),
         )
 
 

@@ -23,6 +23,7 @@ __all__ = [
     "InputError",
     "SolveError",
     "last_warnings",
+    "problems_text",
     "reading",
     "users_level",
     "warn",
@@ -61,13 +62,18 @@ class InputError(ValueError):
 
     def __init__(self, problems: str | Fault | Iterable[Fault], *, heading: str = "") -> None:
         if isinstance(problems, str):
-            self.problems: tuple[Fault, ...] = (Fault("", "", problems, ""),)
+            self._problems: tuple[Fault, ...] = (Fault("", "", problems, ""),)
         elif isinstance(problems, Fault):
-            self.problems = (problems,)
+            self._problems = (problems,)
         else:
-            self.problems = tuple(problems)
+            self._problems = tuple(problems)
         self.heading = heading
-        super().__init__(_text(self.problems, heading))
+        super().__init__(problems_text(self._problems, heading))
+
+    @property
+    def problems(self) -> tuple[Fault, ...]:
+        """Everything that was found."""
+        return self._problems
 
 
 class SolveError(RuntimeError):
@@ -153,7 +159,8 @@ def join_path(prefix: str, path: str) -> str:
     return prefix + path if path.startswith("[") else f"{prefix}.{path}"
 
 
-def _text(problems: tuple[Fault, ...], heading: str) -> str:
+def problems_text(problems: tuple[Fault, ...], heading: str) -> str:
+    """Return problems as the message of an error, one line for each."""
     if len(problems) == 1:
         text = f"{heading}: {problems[0]}" if heading else str(problems[0])
     else:

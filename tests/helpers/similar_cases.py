@@ -108,7 +108,7 @@ def scaled(content, length, mass, time):
     for load in content.get("loads", []):
         if load["kind"] == "gravity":
             load.setdefault("acceleration", [0.0, 0.0, -9.81])
-    walk = _Scaling(forms()["definitions"])
+    walk = _Scaling(forms()["definitions"], reported=True)
     walk.factors = {"[length]": length, "[mass]": mass, "[time]": time}
     return _numbers(walk.table(forms(), _texts(content), (), ""), length)
 

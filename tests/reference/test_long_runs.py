@@ -180,7 +180,7 @@ def test_killed_at_eight_random_moments(tmp_path, eager):
     """Identity to 1e-12 (bit for bit here): killed without warning wherever it is, then resumed."""
     fork = multiprocessing.get_context("fork")
     rng = np.random.default_rng(5)
-    names = ("radau", "midpoint", "Maxwell", "joints")
+    names, resumed = ("radau", "midpoint", "Maxwell", "joints"), []
     for number in range(8):
         name = names[number % len(names)]
         model, given = RUNS[name]()
@@ -191,8 +191,12 @@ def test_killed_at_eight_random_moments(tmp_path, eager):
         child.join()
         assert child.exitcode == -signal.SIGKILL
         until = contents(folder / FOLDER).sizes["time"]  # whole records, however it ended
+        if not has_checkpoint(folder / FOLDER):  # a disk so slow that the run ended before the first
+            continue
+        resumed.append(name)
         assert until >= checkpoint(folder / FOLDER)[1]
         assert difference(model.simulate(**given, folder=folder, resume=True), whole(name)) <= 1e-12
+    assert resumed
 
 
 def test_half_a_record_is_not_read(tmp_path, eager):

@@ -120,8 +120,8 @@ def test_a_cantilever_by_hand():
     shear = found.stress.sel(stress_component=["23", "13"]).values
     assert found.von_mises.values == pytest.approx(np.sqrt(s33**2 + 3 * (shear**2).sum(axis=1)), rel=1e-12)
     assert found.viscous_stress.values == pytest.approx(0.0, abs=1e-9 * np.abs(s33).max())
-    told = re.search(r"von Mises stress (\S+) Pa, beam.start, at \((\S+), (\S+)\) m", held.report())
-    value, x, y = map(float, told.groups())
+    told = re.search(r"von Mises stress (\S+) MPa, beam.start, at \((\S+), (\S+)\) mm", held.report())
+    value, x, y = float(told[1]) * 1e6, float(told[2]) / 1e3, float(told[3]) / 1e3
     assert held.stress("beam.start", (x, y)).von_mises.values[-1, 0] == pytest.approx(value, rel=1e-5)
     assert held.stress("beam.start").von_mises.values.max() <= value * (1 + 1e-5)
 

@@ -8,6 +8,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.plain_text import flat
 from helpers.synthetic_results import oscillator, rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.pictures.animation import Film, Pace, write_film
@@ -108,7 +109,7 @@ def test_command(tmp_path):
     result = CliRunner().invoke(app, ["animate", str(tmp_path / "run.nc"), "--fps", "4", "--speed", "2"])
     assert result.exit_code == 0, result.output
     assert (tmp_path / "motion.gif").stat().st_size > 5_000
-    assert "5 frames, speed 2" in result.stdout
+    assert "5 frames, speed 2" in flat(result.stdout)
     result = CliRunner().invoke(app, ["animate", str(tmp_path / "arc.nc")])
     assert result.exit_code == 2
     assert "a film needs a motion over time" in result.stderr

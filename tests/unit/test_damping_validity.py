@@ -71,7 +71,7 @@ def test_times_against_the_spectrum(time, valid):
         if valid
         else "not right for this motion; it would be for frequencies up to 3.98 Hz"
     )
-    assert words in str(report)
+    assert words in flat(str(report))
 
 
 @pytest.mark.parametrize("component", [0, 2, 4, 5])

@@ -4,6 +4,7 @@ import pytest
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.initial_velocity import InitialVelocity
+from viscorod.model.bodies.body_shapes import Sphere
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
 from viscorod.model.fields.metadata import Key
@@ -157,6 +158,7 @@ def test_former_names_of_keys_are_understood_with_a_warning(make, former, presen
 
 def test_former_names_of_arguments_are_understood_with_a_warning():
     model = ModelDescription()
+    model.add("rod", Sphere(0.1, density=1000.0))
     model.velocity("rod", angular=(0, 0, 1), point=(1, 0, 0))
     with pytest.warns(DeprecationWarning, match="about is now point") as warned:
         model.velocity("rod", angular=(0, 0, 1), about=(1, 0, 0))

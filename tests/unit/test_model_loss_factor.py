@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from helpers.plain_text import flat
 from viscorod.analyses.check import check, doubts
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
@@ -187,7 +188,7 @@ def test_a_run_tells_whether_it_is_in_the_band():
     for band, place in (((1.0, 1000.0), "within it"), ((200.0, 1000.0), "outside of it")):
         model = bar(metal(extension=0.05, band=band))
         model.force("bar.end", (0.0, 0.0, 5.0), until=0.0)
-        report = model.simulate(0.5).report()
+        report = flat(model.simulate(0.5).report())
         assert f"its loss factor holds from {band[0]:.4g} to 1000 Hz" in report
         assert place in report
 

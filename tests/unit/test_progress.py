@@ -21,7 +21,7 @@ def test_time_left_is_that_of_equal_steps(monkeypatch, capsys):
     assert len(lines) == 5
     for line, reached in zip(lines, (2, 4, 6, 8, 10), strict=True):
         assert line.startswith(f"t = {reached} of 10 s")
-        assert line.endswith(f"{10 - reached:.1f} s left")
+        assert line.endswith(f"{10 - reached} s left")
 
 
 @pytest.mark.parametrize("total", [1.0, 3.0])

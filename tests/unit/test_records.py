@@ -256,7 +256,7 @@ def test_records_of_tables(tmp_path, run):
     found = record_of(table, tmp_path)
     assert found.values == pytest.approx(found.predicted(run), abs=1e-6)
     assert found.nuisances["beam.end.gain"].deviation == 0.02
-    with pytest.raises(vr.InputError, match="unexpected keyword argument 'plaec'"):
+    with pytest.raises(vr.InputError, match="plaec: there is no argument of this name; did you mean place"):
         record_of({**table, "plaec": "beam"}, tmp_path)
     (tmp_path / "modes.csv").write_text("f [Hz],zeta [%]\n3,1\n9,2\n")
     modes = record_of(

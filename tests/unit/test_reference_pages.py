@@ -145,7 +145,7 @@ def test_names_in_the_text_of_pages_exist(page):
     text = re.sub(r"^```.*?^```", "", page.read_text(encoding="utf-8"), flags=re.DOTALL | re.MULTILINE)
     owners = {"vr": viscorod, "model": viscorod.Model, "run": viscorod.Run}
     set_on_objects = {"rods", "bodies", "loads", "supports", "materials", "sections", "joints", "springs"}
-    files = {"nc", "png", "html", "partial", "pvd", "toml"}
+    files = {"nc", "png", "html", "partial", "vtkhdf", "toml"}
     missing = [
         f"{owner}.{name}"
         for code in re.findall(r"`([^`\n]+)`", text)

@@ -195,7 +195,7 @@ def test_wrong_places(place, message):
 
 
 def test_wrong_quantities():
-    with pytest.raises(vr.InputError, match="it can be position, displacement, velocity"):
+    with pytest.raises(vr.InputError, match="it can be position, displacement, rotation, frame, velocity"):
         Run(swing(duration=0.1)).history("beam.end", "speed")
     with pytest.raises(vr.InputError, match=r"it can be position, displacement$"):
         Equilibrium(rolled_up()).history("beam.end", "velocity")

@@ -275,7 +275,7 @@ def test_command_line(case, tmp_path, monkeypatch):
     result = CliRunner().invoke(app, arguments)
     assert result.exit_code == 0, result.output
     assert "A swing: 2 members, 2 completed" in result.stdout
-    assert "2.0 of 2 members" in result.stderr
+    assert "2 of 2 members" in result.stderr
     assert vr.load(tmp_path / "out" / "swing" / "sweep.nc").data[SHEAR].values.tolist() == [0.01, 0.02]
     for wrong in ("rods.beam.elements", "rods.beam.elements=", "rods.beam.section=thin"):
         refused = CliRunner().invoke(app, ["sweep", str(case), "--set", wrong])

@@ -98,7 +98,7 @@ def test_parts_of_a_model_are_no_quantities(monkeypatch):
     def looked_for(*_args, **_given):
         raise AssertionError
 
-    monkeypatch.setattr(UnknownAttributeError, "of", looked_for)
+    monkeypatch.setattr(UnknownAttributeError, "problems", property(looked_for))
     rubber = vr.Material(1e6, poissons_ratio=0.3, density=1000.0)
     rod = vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber)
     assert not is_quantity(rod)

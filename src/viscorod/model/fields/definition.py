@@ -62,6 +62,16 @@ else:
     class DefinitionType(type(BaseModel)):
         """The class of the classes: it shows what they have beside what Pydantic gives them."""
 
+        @property
+        def __signature__(cls) -> inspect.Signature:
+            """The arguments; a property, since Pydantic sets its own when it builds the validator of a class."""
+            left_out = (*cls.unused, *([cls.tag] if cls.tag else []))
+            return signature(parameters(cls.model_fields, left_out))
+
+        @__signature__.setter
+        def __signature__(cls, _given: object) -> None:
+            pass
+
         def __dir__(cls) -> list[str]:
             return _own_names(type.__dir__(cls))
 
@@ -72,7 +82,7 @@ else:
             except AttributeError:
                 if name.startswith("_") or name in _INHERITED:
                     raise
-                raise UnknownAttributeError.of(cls, name, dir(cls), called=cls.__name__) from None
+                raise UnknownAttributeError.of(cls, name, lambda: dir(cls), called=cls.__name__) from None
 
 
 _INHERITED = frozenset(dir(BaseModel))
@@ -108,8 +118,6 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
     def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
         """Add the arguments to the docstring of the class, from the descriptions and units of its fields."""
         super().__pydantic_init_subclass__(**kwargs)
-        left_out = (*cls.unused, *([cls.tag] if cls.tag else []))
-        cls.__signature__ = signature(parameters(cls.model_fields, left_out))
         lines = _arguments(cls)
         if lines and cls.__doc__:
             cls.__doc__ = "\n".join([inspect.cleandoc(cls.__doc__), "", "Args:", *lines])
