@@ -189,7 +189,7 @@ def test_a_run_tells_whether_it_is_in_the_band():
         model = bar(metal(extension=0.05, band=band))
         model.force("bar.end", (0.0, 0.0, 5.0), until=0.0)
         report = flat(model.simulate(0.5).report())
-        assert f"its loss factor holds from {band[0]:.4g} to 1000 Hz" in report
+        assert f"its loss factor holds from {band[0]:.4g} Hz to 1000 Hz" in report
         assert place in report
 
 

@@ -197,7 +197,7 @@ def test_wrong_places(place, message):
 def test_wrong_quantities():
     with pytest.raises(vr.InputError, match="it can be position, displacement, rotation, frame, velocity"):
         Run(swing(duration=0.1)).history("beam.end", "speed")
-    with pytest.raises(vr.InputError, match=r"it can be position, displacement$"):
+    with pytest.raises(vr.InputError, match=r"it can be position, displacement, rotation, frame$"):
         Equilibrium(rolled_up()).history("beam.end", "velocity")
 
 
