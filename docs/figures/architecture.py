@@ -33,9 +33,16 @@ WORDS = {
     "errors": "faults in words",
     "limits": "largest sizes",
     "typing": "array types",
+    "shown": "one line, cards",
+    "small_drawing": "SVG of cards",
+    "wording": "nearest names",
+    "units": "quantities in SI",
+    "attributes": "missing names",
 }
-WIDTH, HEIGHT = 10.0, 8.7
+WIDTH, HEIGHT = 10.0, 10.5
 BOX, GAP, STEP = 0.7, 0.25, 1.1
+MOST = 5
+"""Wings in one row; a rung with more has two rows."""
 
 
 def contract() -> list[list[str]]:
@@ -87,9 +94,11 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
     left, right = 0.95, WIDTH - 0.25
     for k, rung in enumerate(rungs):
         y = HEIGHT - 1.8 - STEP * k
-        width = (right - left - GAP * (len(rung) - 1)) / len(rung)
-        for j, wing in enumerate(rung):
-            places[wing] = (left + j * (width + GAP), y, width)
+        half = (len(rung) + 1) // 2 if len(rung) > MOST else len(rung)
+        for number, row in enumerate((rung[:half], rung[half:])):
+            width = (right - left - GAP * (half - 1)) / half
+            for j, wing in enumerate(row):
+                places[wing] = (left + j * (width + GAP), y - number * (BOX + GAP), width)
         axes.text(0.55, y + BOX / 2, str(k + 1), color=GREY, fontsize=TEXT + 4, va="center", ha="center")
     for (above, below), count in sorted(wings.items()):
         if {above, below} <= set(places) - set(rungs[-1]) and places[above][1] > places[below][1]:
@@ -118,7 +127,14 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
         )
         axes.add_patch(box)
         axes.text(
-            x + 0.12, y + 0.46, wing, fontsize=TEXT + 1, color=INK, weight="bold", va="center", zorder=3
+            x + 0.12,
+            y + 0.46,
+            wing,
+            fontsize=TEXT + 1 if width > 2.0 else SMALL + 0.5,
+            color=INK,
+            weight="bold",
+            va="center",
+            zorder=3,
         )
         axes.text(
             x + width - 0.12, y + 0.46, f"{lines(wing):,}{' lines' if width > 2.0 else ''}".replace(",", " "),
@@ -126,7 +142,7 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
         )  # fmt: skip
         axes.text(x + 0.12, y + 0.19, WORDS[wing], fontsize=SMALL - 0.5, color=INK, va="center", zorder=3)
     heading = "The house: imports go down, never up"
-    legend = "An arrow: a wing imports from another, through what lies between; wider for more. All may use rung 7."
+    legend = "An arrow: a wing imports from another, through what lies between; wider for more. All may use the lowest."
     axes.text(0.2, HEIGHT - 0.36, heading, fontsize=TEXT + 3, color=INK, va="center")
     axes.text(0.2, HEIGHT - 0.68, legend, fontsize=SMALL, color=GREY, va="center")
     axes.plot([0.2, WIDTH - 0.2], [HEIGHT - 0.9] * 2, color=LIGHT, linewidth=1.0)

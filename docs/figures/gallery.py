@@ -34,6 +34,7 @@ from viscorod.pictures.style import (
     heading,
     legend_above,
 )
+from viscorod.results.text_numbers import quantity
 
 TARGET = Path(__file__).parents[1] / "images" / "gallery"
 DPI = 90
@@ -62,7 +63,7 @@ def snapshots(picture: Figure, axes: Axes, run: vr.Run, start: float, end: float
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
     view = View.of(np.concatenate([*positions, *ends]))
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
-    view.prepare(axes, f"{start:.3g} s (dark) to {end:.3g} s (light)")
+    view.prepare(axes, f"{quantity(start, 's', 3)} (dark) to {quantity(end, 's', 3)} (light)")
     if not coiled:
         draw_reference(axes, view, curves, run)
     colours = colormaps["viridis"](np.linspace(0.0, 0.88, times.size))
