@@ -110,7 +110,7 @@ honest: $(VENV)/.stamp-test
 	PYTHONPATH=tests $(BIN)/python -m honesty --workers $(WORKERS)
 
 docs: $(VENV)/.stamp-test
-	VISCOROD_NOTEBOOKS=cache $(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
+	PATH="$(CURDIR)/$(BIN):$$PATH" VISCOROD_NOTEBOOKS=cache $(BIN)/sphinx-build -W --keep-going -q -b html docs docs/_build/html
 	@echo "docs/_build/html/index.html"
 
 figures: $(VENV)/.stamp-test
