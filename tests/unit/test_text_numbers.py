@@ -83,3 +83,13 @@ def test_pages_wrap_at_words_and_leave_numbers_beside_their_units():
     assert "5.566 µm" in text
     assert text.count("\n\n") == 1
     assert all(line.startswith("    word") for line in text.splitlines()[5:])
+
+
+def test_names_longer_than_half_of_the_width_stand_above_their_numbers():
+    """As the keys of a fit, of which each takes one line and its numbers another."""
+    key = "materials.rubber.damping.shear_time, materials.rubber.damping.bulk_time"
+    header = ("", "value", "low", "high", "unit", "standard error", "interval by")
+    row = ("0.02", "0.0199", "0.0201", "s", "2.9e-05", "Laplace")
+    lines = table("Numbers", header, [(key, *row)]).splitlines()
+    assert [line.split() for line in lines[1:]] == ["  ".join(header).split(), key.split(), list(row)]
+    assert max(map(len, lines)) <= WIDTH

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeAlias
 
@@ -21,7 +22,7 @@ Point: TypeAlias = Sequence[float]
 
 
 @known_arguments
-class AlongCurves:
+class AlongCurves(ABC):
     """Methods that make rods; a part of `Rod`."""
 
     @classmethod
@@ -138,5 +139,6 @@ class AlongCurves:
         return cls._along(ParametricCurve, {"function": function}, locals())
 
     @classmethod
+    @abstractmethod
     def _along(cls, kind: type[Centreline], curve: dict[str, Any], given: dict[str, Any]) -> Self:
-        raise NotImplementedError
+        """Make a rod along a centre line of a kind, with what else is given of a rod."""

@@ -32,7 +32,8 @@ def table(
 ) -> str:
     """Return a table: the title, then indented columns, names to the left and numbers to the right.
 
-    Where the columns do not fit the width they stand in several parts below each other, each beginning with the names.
+    Where the columns do not fit the width they stand in several parts below each other, each beginning with the names;
+    names longer than half of the width, such as keys of a case, have lines of their own, each above its row.
 
     Args:
         title: above it; header: of the columns; rows: of cells.
@@ -41,14 +42,17 @@ def table(
     """
     first, *others = zip(header, *rows, strict=True)
     columns = [_left(first), *map(_justified, others)]
-    names, room = columns[0], width - 2 - len(columns[0][0])
+    above = len(columns[0][0]) > width // 2 and not fits(header, rows, width)
+    names, room = (["  "] * len(first), width - 4) if above else (columns[0], width - 2 - len(columns[0][0]))
     lines = [wrapped(title, "")]
     for part in _parts([len(column[0]) for column in columns[1:]], groups, room):
         chosen = [columns[1 + k] for k in part]
         if len(chosen) == 1 and len(chosen[0][0]) + 2 > room:
-            lines += _filled(names, chosen[0], room - 2)
+            found = _filled(names, chosen[0], room - 2)
         else:
-            lines += ["  " + "  ".join(row).rstrip() for row in zip(names, *chosen, strict=True)]
+            found = [["  " + "  ".join(row).rstrip()] for row in zip(names, *chosen, strict=True)]
+        named = [[wrapped(f"  {name.strip()}")] if above and name.strip() else [] for name in columns[0]]
+        lines += itertools.chain.from_iterable(itertools.chain(*zip(named, found, strict=True)))
     return "\n".join(lines)
 
 
@@ -86,16 +90,16 @@ def _parts(widths: Sequence[int], groups: Sequence[int], room: int) -> list[list
     return parts
 
 
-def _filled(names: Sequence[str], column: Sequence[str], room: int) -> list[str]:
-    """Return the lines of a column of long texts beside the names, wrapped at words."""
-    lines = []
+def _filled(names: Sequence[str], column: Sequence[str], room: int) -> list[list[str]]:
+    """Return the lines of each cell of a column of long texts beside the names, wrapped at words."""
+    found = []
     for name, cell in zip(names, column, strict=True):
         text = _NUMBER_UNIT.sub(_GLUE, cell.strip())
         parts = textwrap.wrap(text, max(room, _NARROWEST), break_long_words=False, break_on_hyphens=False)
         first, *more = [part.replace(_GLUE, " ") for part in parts] or [""]
-        lines.append(f"  {name}  {first}".rstrip())
-        lines += [f"  {' ' * len(name)}  {text}" for text in more]
-    return lines
+        lines = [f"  {name}  {first}".rstrip()]
+        found.append(lines + [f"  {' ' * len(name)}  {text}" for text in more])
+    return found
 
 
 def words(name: str, cells: Iterable[str]) -> list[Column]:

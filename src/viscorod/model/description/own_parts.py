@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -39,15 +40,15 @@ POINTS = 60
 """Points of a rod in a small drawing."""
 
 
-class OwnParts(WellNamed, Shown):
+class OwnParts(WellNamed, Shown, ABC):
     """Methods about the parts that are there; a part of `ModelDescription`."""
 
     rods: dict[str, Rod]
     bodies: dict[str, AnyBody]
 
+    @abstractmethod
     def parts(self) -> dict[str, Any]:
         """Return the parts by the words of a case file."""
-        raise NotImplementedError
 
     @property
     def mass(self) -> float:
