@@ -277,6 +277,20 @@ def test_a_stopped_run_is_removed_only_by_a_word(tmp_path, journal):
         runs.swing().simulate(**runs.GIVEN, folder=tmp_path, resume=True, anew=True)
     with pytest.raises(vr.InputError, match="anew: give the folder"):
         runs.swing().simulate(**runs.GIVEN, anew=True)
+
+
+def test_a_run_of_less_than_a_second_goes_to_its_file_at_once(stopped_once, tmp_path, monkeypatch):
+    """Contract: without a journal the file holds the same, and a run that was stopped there is gone."""
+    monkeypatch.setattr(streaming, "FLUSH", 1e9)
+    monkeypatch.setattr(streaming, "CHECKPOINT", 1e9)
+    appended = []
+    monkeypatch.setattr(Journal, "append", lambda *given: appended.append(given))
+    shutil.copytree(stopped_once, tmp_path / FOLDER)
+    run = runs.swing().simulate(**runs.GIVEN, folder=tmp_path, anew=True)
+    assert not appended
+    assert runs.differences(run) == set()
+    assert runs.differences(vr.load(tmp_path)) == set()
+    assert [path.name for path in tmp_path.iterdir()] == ["run.nc"]
     with pytest.raises(vr.InputError, match="the run in it is complete"):
         runs.swing().simulate(**runs.GIVEN, folder=tmp_path, resume=True)
 

@@ -179,14 +179,18 @@ def _motion(
     _tell(attrs, _blows(discrete.problem))
     _tell(attrs, motion_doubt(attrs))
     _tell(attrs, force_doubt(attrs))
-    stream.flush()
-    if written is None:
-        data = stream.contents()
+    if interrupted:  # it goes on from the disk
+        stream.flush()
+    data = stream.in_memory()
+    if data is not None:
         data.attrs.update(discrete.complete(attrs))
         run = Run.owning(data)
         if not interrupted:
             _tell(run.data.attrs, energy_doubt(run.data))
+        if written is not None:
+            written.write(run.data)
     else:
+        assert written is not None
         # a motion that was streamed is a file then, with a journal beside it where it can still go on
         _keep(attrs, written.doubt)
         if not interrupted:

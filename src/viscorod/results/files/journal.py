@@ -155,6 +155,13 @@ class Journal:
         """Remove the last checkpoint, which is damaged, so that it does not take the place of the one before."""
         (self.folder / _CHECKPOINT).unlink(missing_ok=True)
 
+    def remove(self) -> None:
+        """Write no more, and remove what is there, be it of a run that was stopped here before."""
+        if self._file is not None:
+            self._file.close()
+        with suppress(OSError):
+            empty(self.folder)
+
     def close(self) -> None:
         """Write no more; a journal in which no state was written is removed."""
         if self._file is not None:

@@ -14,6 +14,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint, mended
+from viscorod.results.files.storage import write
 from viscorod.solve.history import History, Records, Snapshot
 from viscorod.solve.transient.pose_check import MOST
 from viscorod.whole_files import why_not
@@ -30,7 +31,7 @@ MUCH = 64e6
 """Bytes of states that are kept at most, unless one has more."""
 
 CHECKPOINT = 1.0
-"""Seconds of wall time between two checkpoints at least; the first is written after the first step."""
+"""Seconds of wall time between two checkpoints at least."""
 
 SHARE = 0.02
 """Part of the wall time that checkpoints take at most."""
@@ -120,6 +121,11 @@ class Stream(History):
         """Return the data set of all states that have gone, of which there will be no more."""
         return self.sink.contents()
 
+    def in_memory(self) -> xr.Dataset | None:
+        """Return the data set of all states, of which there will be no more; None if they are on disk."""
+        self.flush()
+        return self.contents()
+
     def _continued(self, data: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
         """Let orientations go on with the sign of the quaternions before; return the last of them, too."""
         rotation = data["rotation"].values
@@ -172,7 +178,7 @@ class JournalStream(Stream):
             if found.doubt:
                 self.journal.forget_last_checkpoint()
         self.doubt = "; ".join(filter(None, told))
-        self._flushed = self._checked = -np.inf
+        self._flushed = self._checked = time.monotonic()
         self._cost = 0.0
 
     def flush(self) -> None:
@@ -180,6 +186,13 @@ class JournalStream(Stream):
         with self._writing():
             super().flush()
         self._flushed = time.monotonic()
+
+    def in_memory(self) -> xr.Dataset | None:
+        """See :class:`Stream`: of a short run no state has gone to disk yet, and none needs to."""
+        if self.count and not self._gone:
+            return self._continued(self.build(self))[0]
+        self.flush()
+        return None
 
     def after_step(self, state: Callable[[], Any]) -> None:
         """Write what is due: states, and with ``state`` from what the run can go on."""
@@ -211,6 +224,12 @@ class JournalStream(Stream):
                 "written is complete up to its last state; make room and go on with: viscorod resume "
                 f"{self.folder} (in Python resume=True)"
             ) from None
+
+    def write(self, data: xr.Dataset) -> Path:
+        """Make ``run.nc`` of all states, none of which has gone to the journal; a stopped run there is removed then."""
+        place = write(data, self.folder / "run.nc")
+        self.journal.remove()
+        return place
 
     def finish(self, attrs: dict[str, Any], *, keep: bool) -> Path:
         """Make ``run.nc`` of the journal, with these attributes; ``keep`` the journal, to go on from it."""
