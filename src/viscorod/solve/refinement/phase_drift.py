@@ -10,7 +10,7 @@ import numpy as np
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.refinement.correction import Balance, corrected
-from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
+from viscorod.solve.refinement.finer_mesh import Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.start_modes import COUNT as FOLLOWED
 from viscorod.solve.refinement.start_modes import StartModes
@@ -35,8 +35,8 @@ class PhaseDrift:
     """Undamped vibrations about a state at rest, on a mesh and on the one twice as fine.
 
     Args:
-        finer: the finer mesh; static: solver of the coarse one; shape: the state on it; scale: multiple of the loads
-            at t = 0 that act there; modes: of the coarse one about this state, if they are known.
+        motion: motions as the finer mesh has them; static: solver of the coarse one; shape: the state on it; scale:
+            multiple of the loads at t = 0 that act there; modes: of the coarse one about this state, if they are known.
 
     Attributes:
         modes: on the coarse mesh; better: on the finer one; rest: the state at rest there. None if there is none.
@@ -44,19 +44,20 @@ class PhaseDrift:
 
     def __init__(
         self,
-        finer: FinerMesh,
+        motion: CoarseMotion,
         static: StaticSolver,
         shape: Shape,
         scale: float,
         modes: StartModes | None = None,
     ) -> None:
+        finer = motion.finer
         self.problem, self.state = finer.coarse, shape.state
         self.modes = modes or StartModes.of(linearise(static, shape.state, scale=scale), COUNT)
         self.better: StartModes | None = None
-        self._motion = CoarseMotion(finer)
-        self.rest = (
-            corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.modes.omega) else None
-        )
+        self._motion = motion
+        self.rest = None
+        if len(self.modes.omega):
+            self.rest = corrected(Balance(finer, factor=scale), finer.take_over(finer.carried([shape])))
         if self.rest is not None:
             count = min(len(self.modes.omega), FOLLOWED)
             self.better = StartModes.of(linearise(finer.static, self.rest, scale=scale), count)
@@ -76,7 +77,7 @@ class PhaseDrift:
         if better is None or not len(better.omega):
             return np.zeros(len(modes.omega))
         shapes = modes.shapes.T.reshape(len(modes.omega), -1, 6)
-        momenta = self._motion.spread_all(self.state, shapes).reshape(len(modes.omega), -1)
+        momenta = self._motion.inertia(self.state.r, self.state.q, shapes).reshape(len(modes.omega), -1)
         alike = np.square(momenta @ better.shapes)
         best = better.omega[alike.argmax(axis=1)]
         alike[np.abs(better.omega / best[:, None] - 1.0) > TWINS] = 0.0
