@@ -21,7 +21,7 @@ from viscorod.solve.refinement.half_elements import read
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
-from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.refinement.phase_drift import AtRest, PhaseDrift
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.linear_model import LinearModel
@@ -66,6 +66,7 @@ class MeshWatch:
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
         self._count, self._next = 0, 1
+        self._at_rest: AtRest | None = None
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -148,8 +149,15 @@ class MeshWatch:
         self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
     ) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
-        self.finer.system.prestress = np.zeros((0, 1, 6))
-        return PhaseDrift(self._moving, static, _shape(start), scale, modes)
+        found = PhaseDrift(self._moving, static, _shape(start), scale, modes, self._at_rest)
+        self._at_rest = found.finer
+        return found
+
+    def share(self, other: MeshWatch) -> None:
+        """Use the finer mesh of another watch of the same problem, and what is known of states at rest there."""
+        assert self.problem is other.problem
+        made = {"finer", "_moving", "_at_rest"}
+        vars(self).update({name: value for name, value in vars(other).items() if name in made})
 
     def see_motion(
         self, last: tuple[float, Snapshot], static: StaticSolver, scale: float, modes: StartModes
@@ -177,12 +185,13 @@ class MeshWatch:
             return
         start, finer = self.start.state, self.finer
         drift = self.phases(static, self.start, scale, modes)
-        if drift.rest is None or self.problem.relaxing:
+        rest = drift.finer.state
+        if rest is None or self.problem.relaxing:
             self._count_in(False)
             return
         coarse = LinearModel(self.system, self._moving.supports, 0.0, start)
         counterpart = LinearCounterpart(
-            coarse, LinearModel(finer.system, finer.supports, 0.0, drift.rest), self._moving
+            coarse, LinearModel(finer.system, finer.supports, 0.0, rest), self._moving
         )
         rates, seen, shape = [], [], start.twist.shape
         noted = self._chosen(last)
