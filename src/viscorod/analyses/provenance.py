@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
+from functools import cache
 from typing import Any
 
 import numpy as np
@@ -33,9 +34,14 @@ def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dic
         "case": case,
         "case_hash": hashlib.sha256(text.encode()).hexdigest(),
         "version": __version__,
-        "platform": f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}",
+        "platform": _platform(),
         **more,
     }
+
+
+@cache
+def _platform() -> str:
+    return f"Python {platform.python_version()}, NumPy {np.__version__}, {platform.platform()}"
 
 
 def material_record(model: ModelDescription) -> dict[str, str]:

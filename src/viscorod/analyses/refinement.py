@@ -151,6 +151,7 @@ def _prepared(discrete: DiscreteModel, settings: SimulateSettings) -> DiscreteMo
         except (InputError, SolveError):
             break  # the motion will say so
         if divisions is None:
+            discrete.watch.share(before.watch)
             break
         discrete = discrete.on_mesh(divisions)
     return discrete

@@ -51,16 +51,22 @@ class StationReader:
         """Positions ``(stations, 3)`` [m] and orientations ``(stations, 4)`` of the stations in node axes."""
         return self._offset, self._turn
 
+    def poses(self, r: Floats, q: Floats) -> tuple[Floats, Floats]:
+        """Return positions [m] and unit quaternions of the stations in nodal poses; see :meth:`read`."""
+        r, q = r[..., self.nodes, :], q[..., self.nodes, :]
+        if self._linked:
+            r = r + _rotate(q, np.broadcast_to(self._offset, r.shape).copy())
+            q = product(q, np.broadcast_to(self._turn, q.shape))
+        return r, q
+
     def read(self, r: Floats, q: Floats, twist: Floats) -> tuple[Floats, Floats, Floats, Floats]:
         """Return positions [m], unit quaternions, global velocities [m/s] and body angular velocities [rad/s].
 
         Args:
             r, q, twist: nodal states ``(..., n, 3)``, ``(..., n, 4)``, ``(..., n, 6)``.
         """
-        r, q, twist = r[..., self.nodes, :], q[..., self.nodes, :], twist[..., self.nodes, :]
+        (r, q), twist = self.poses(r, q), twist[..., self.nodes, :]
         if self._linked:
-            r = r + _rotate(q, np.broadcast_to(self._offset, r.shape).copy())
-            q = product(q, np.broadcast_to(self._turn, q.shape))
             twist = np.einsum("nij,...nj->...ni", self._map, twist)
         return r, q, _rotate(q, twist[..., :3]), twist[..., 3:].copy()
 

@@ -21,14 +21,7 @@ from viscorod.solve.formulations.dashpot_memory import DashpotMemory, at_points
 from viscorod.solve.formulations.element_forces import ElementForces, GeometricForces
 from viscorod.solve.formulations.system import GaussPoints, GaussPositions, State
 from viscorod.solve.linear.matrix import Matrix
-from viscorod.solve.problem.element_arrays import (
-    all_branches,
-    all_elements,
-    element_groups,
-    gauss_indices,
-    gauss_positions,
-    unstressed_strains,
-)
+from viscorod.solve.problem.element_arrays import all_branches, element_arrays
 from viscorod.solve.problem.external_loads import NO_LOADS, LoadState
 from viscorod.solve.problem.imposed_strains import Imposed, ImposedStrains
 from viscorod.solve.problem.law_responses import law_responses
@@ -55,10 +48,10 @@ class GeometricSystem:
         self.dissipated = 0.0
         self.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
         self.given_strain: Floats | None = None
-        self.groups = element_groups(problem)
-        self._unstressed, self.imposed = unstressed_strains(problem), ImposedStrains(problem)
+        self.groups, elements, self._positions, self._places = element_arrays(problem)
+        self._unstressed, self.imposed = elements.reference, ImposedStrains(problem)
         whole = self._unstressed + self.imposed.constant
-        self._elements = all_elements(problem, whole)
+        self._elements = elements._replace(reference=whole)
         self._reference = whole.copy() if problem.rest_strains else whole
         self.rest: tuple[Floats, Floats] = (np.zeros((1, *whole.shape)), np.zeros((1, *whole.shape)))
         self.prestress: Floats = np.zeros((0, 1, 6))
@@ -78,8 +71,6 @@ class GeometricSystem:
         self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
         self._update_stress = KnownTypes(geometric.update_stress)
         self.constraints = Constraints(problem, self.elements)
-        order, self._positions = gauss_positions(problem.sets)
-        self._places = gauss_indices(problem.sets)[order]
         self.relaxation: DashpotMemory | None = None
         if problem.relaxing:
             self.relaxation = DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))

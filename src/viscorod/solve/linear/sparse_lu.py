@@ -34,9 +34,13 @@ class SparseLU:
         from scipy.sparse.linalg import splu
 
         matrix = sparse.csc_array(matrix)
+        if not matrix.has_canonical_format:
+            matrix = matrix.copy()
+            matrix.sum_duplicates()
         self.scales = _scales(matrix)
-        scale = sparse.diags_array(self.scales)
-        scaled = sparse.csc_array(scale @ matrix @ scale)
+        across = np.repeat(self.scales, np.diff(matrix.indptr))
+        values = self.scales[matrix.indices] * matrix.data * across
+        scaled = sparse.csc_array((values, matrix.indices, matrix.indptr), shape=matrix.shape)
         self._factors: Any = splu(scaled, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=THRESHOLD)
 
     @property
@@ -63,7 +67,8 @@ def _scales(matrix: sparse.csc_array) -> Floats:
 
     Of a diagonal that is round-off the root would be a scale without meaning, and pivots would follow it.
     """
-    largest = np.asarray(abs(matrix).max(axis=1).todense()).ravel()
+    largest = np.zeros(matrix.shape[0])
+    np.maximum.at(largest, matrix.indices, np.abs(matrix.data))
     diagonal = np.abs(matrix.diagonal())
     own = np.sqrt(np.where(diagonal > NOTHING * largest, diagonal, 0.0))
     scales = np.divide(1.0, own, out=np.zeros_like(own), where=own > 0.0)

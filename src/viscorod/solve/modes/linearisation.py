@@ -18,6 +18,7 @@ from scipy import sparse
 from viscorod.errors import SolveError
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts
+from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
@@ -118,32 +119,46 @@ def linearise(
     system, problem = solver.system, solver.system.problem
     tangent = solver.tangent(state, t, before=before, scale=scale)
     basis, size = tangent.basis, 6 * problem.size  # rows of multipliers come after those of the nodes
+    supports = solver.supports
     resting = State(state.r, state.q, np.zeros((problem.size, 6)), state.multiplier)
     loads = solver.loads.at(t, before, scale)
-    damping_matrix, resistance = Matrix(problem.pattern), Matrix(problem.pattern)
+    damping_matrix = Matrix(problem.pattern)
     system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
     noise = _force_noise(solver)
     balance = _without_noise(system.residual(), noise, problem.length)
-    damping = sparse.csr_array(basis.T @ damping_matrix.sparse()[:size, :size] @ basis)
-    mass = sparse.csr_array(basis.T @ block_diagonal(problem.mass) @ basis)
+    damping = _within(supports, basis, damping_matrix.blocks)
+    inertia = np.zeros_like(damping_matrix.blocks)
+    inertia[problem.pattern.diagonal[: problem.size]] = np.swapaxes(problem.mass, 1, 2)
+    mass = _within(supports, basis, inertia)
     whole = Linearisation(
         tangent.stiffness, damping, mass, basis, tangent.gradients, work=tangent.work, loss=tangent.loss
     )
-    # what resists rigid motions of parts: loads, reactions, springs and dampers
-    bare = without_elements(system)
-    held_by = np.where(np.abs(state.multiplier) > noise, state.multiplier, 0.0)
-    held_by[problem.held.place] = 0.0
-    resting = State(state.r, state.q, resting.twist, held_by)
-    bare.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=resistance)
-    remainder, _ = solver.supports.reduce_tangent(state, balance, bare.matrix)
-    dampers = sparse.csr_array(basis.T @ resistance.sparse()[:size, :size] @ basis)
-    supports = solver.supports
     held = [supports._directions(k, state)[1] for k in range(len(supports.set.nodes))]
     gradients = system.constraints.measure(resting)[2]
     parts = motions_of_parts(problem, state.r, state.q, held, gradients)
-    found = _apart(whole, parts, remainder, dampers)
+    found = whole
+    if parts.found:
+        # what resists rigid motions of parts: loads, reactions, springs and dampers
+        bare, resistance = without_elements(system), Matrix(problem.pattern)
+        held_by = np.where(np.abs(state.multiplier) > noise, state.multiplier, 0.0)
+        held_by[problem.held.place] = 0.0
+        resting = State(state.r, state.q, resting.twist, held_by)
+        bare.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=resistance)
+        remainder, _ = supports.reduce_tangent(state, balance, bare.matrix)
+        dampers = sparse.csr_array(basis.T @ resistance.sparse()[:size, :size] @ basis)
+        found = _apart(whole, parts, remainder, dampers)
     full = basis.shape[1] <= DENSE
     return found.unconditional() if full else found
+
+
+def _within(supports: SupportState, basis: sparse.csc_array, blocks: Floats) -> sparse.csr_array:
+    """Return ``basis' A basis`` of the matrix with these values: where a basis only picks motions, without products."""
+    problem = supports.problem
+    if len(supports.partial):
+        size = 6 * problem.size
+        return sparse.csr_array(basis.T @ problem.pattern.sparse(blocks)[:size, :size] @ basis)
+    free = supports.free_rows()
+    return problem.pattern.part(blocks, free, np.where(free % 6 < 3, problem.length, 1.0))
 
 
 def _force_noise(solver: StaticSolver) -> float:
@@ -170,8 +185,6 @@ def _apart(
         whole: in the motions that supports allow.
         parts: what is rigid; remainder, dampers: the stiffness and the damping that resist it.
     """
-    if not parts.found:
-        return whole
     basis, size = whole.basis, whole.mass.shape[0]
     C = _coordinates(basis, parts.increments)
     unit = np.abs(C).max(axis=0)

@@ -10,12 +10,14 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
 from scipy import sparse
 
 from viscorod.solve.modes.linearisation import DENSE, EPS, Linearisation, beyond_precision, factored
+from viscorod.solve.once import once
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.solve.statics.work import PRECISE
 from viscorod.typing import Floats
@@ -84,6 +86,11 @@ class _Problem:
         self.rigid = rigid
         self._momenta = self.M @ rigid
 
+    def require_finite(self) -> None:
+        """Refuse matrices with entries that are no numbers."""
+        if not np.isfinite(self.K.diagonal()).all() or not np.isfinite(self.M.diagonal()).all():
+            raise beyond_precision()
+
     def inertia(self, x: np.ndarray) -> np.ndarray:
         """Return mass times ``x``, without the momenta of rigid motions."""
         return np.asarray(self.M @ self.without_rigid(x))
@@ -132,13 +139,19 @@ class _Problem:
             work = work.plus(self.M, -square)
         return negative_eigenvalues(Tangent(shifted, self.linear.basis, self.linear.gradients, work))
 
-    def refined(self, squares: Floats, shapes: Floats) -> tuple[Floats, Floats]:
+    def refined(
+        self, squares: Floats, shapes: Floats, precise: float = PRECISE, sizes: Floats | None = None
+    ) -> tuple[Floats, Floats]:
         """Return ``w^2`` and shapes again, by the work of shapes where the rounding of the stiffness spoils them.
 
         They are those of Rayleigh and Ritz in the space of these shapes.
+
+        Args:
+            squares, shapes: what was found; precise: part of ``w^2`` that rounding may spoil.
+            sizes: what :meth:`sizes` returns for them, if it is known.
         """
         work = self.linear.work
-        poor = EPS * self.sizes(shapes) > PRECISE * np.abs(squares)
+        poor = EPS * (self.sizes(shapes) if sizes is None else sizes) > precise * np.abs(squares)
         if work is None or not poor.any():
             return squares, shapes
         slow = shapes[:, poor]
@@ -153,39 +166,53 @@ class _Problem:
         """Return the sums of the sizes of all terms of ``x.K x``, of which one part in 1e16 is round-off."""
         return np.asarray(np.einsum("ik,ik->k", np.abs(shapes), abs(self.K) @ np.abs(shapes)))
 
-    def neutral(self, squares: Floats, shapes: Floats) -> np.ndarray:
-        """Return which shapes, of unit inertia, have no stiffness but round-off."""
-        found = np.abs(squares) <= 10.0 * EPS * self.sizes(shapes)
+    def neutral(self, squares: Floats, shapes: Floats, sizes: Floats | None = None) -> np.ndarray:
+        """Return which shapes, of unit inertia, have no stiffness but round-off; ``sizes`` as in :meth:`refined`."""
+        found = np.abs(squares) <= 10.0 * EPS * (self.sizes(shapes) if sizes is None else sizes)
         if self.linear.work is not None and found.any():
             _, size = self.linear.work.form(shapes[:, found])
             found[found] = np.abs(squares[found]) <= 10.0 * EPS * size
         return found
 
 
-def undamped_modes(linear: Linearisation, count: int, near: float | None = None) -> Undamped:
+def undamped_modes(
+    linear: Linearisation, count: int, near: float | None = None, *, precise: float = PRECISE
+) -> Undamped:
     """Return at least ``count`` modes, if there are as many: the slowest, or those nearest to a frequency.
 
     Args:
         linear: small motions about an equilibrium.
         count: of modes beside rigid motions.
         near: angular frequency [rad/s].
+        precise: part of ``w^2`` that rounding may spoil, where all modes are found; beyond, the work of shapes tells.
     """
     dense = linear.gradients is None and linear.mass.shape[0] <= DENSE
     if not dense and count + EXTRA >= linear.motions - linear.rigid - 1:
         linear, dense = linear.unconditional(), True
-    problem = _Problem(linear)
-    if not np.isfinite(problem.K.diagonal()).all() or not np.isfinite(problem.M.diagonal()).all():
-        raise beyond_precision()
     if dense:
-        return _of_full_matrices(problem)
+        return _of_full_matrices(linear, precise)
+    problem = _Problem(linear)
+    problem.require_finite()
     return _of_iteration(problem, count, 0.0 if near is None else near**2)
 
 
-def _of_full_matrices(problem: _Problem) -> Undamped:
-    """Return all modes.
+class _AllModes(NamedTuple):
+    """All modes of a problem as full matrices have them, with the sizes of their terms (:meth:`_Problem.sizes`)."""
+
+    problem: _Problem
+    squares: Floats
+    shapes: Floats
+    sizes: Floats
+
+
+@once
+def _all_modes(linear: Linearisation) -> _AllModes:
+    """Return all modes by full matrices.
 
     Eigenvalues of the inverse problem are accurate for slow modes, Rayleigh quotients of its vectors for fast ones.
     """
+    problem = _Problem(linear)
+    problem.require_finite()
     k, size = problem.k, problem.size
     K = problem.K[k:, k:].toarray()
     lift = problem.without_rigid(np.eye(size)[:, k:])
@@ -206,8 +233,14 @@ def _of_full_matrices(problem: _Problem) -> Undamped:
     fast = np.abs(squares) > np.sqrt(lowest) * np.sqrt(np.maximum(sizes, np.abs(squares)))
     squares = np.where(fast, energies, squares)
     order = np.argsort(squares, kind="stable")
-    squares, shapes = problem.refined(squares[order], shapes[:, order])
-    neutral = problem.neutral(squares, shapes)
+    return _AllModes(problem, squares[order], shapes[:, order], sizes[order])
+
+
+def _of_full_matrices(linear: Linearisation, precise: float = PRECISE) -> Undamped:
+    """Return all modes."""
+    problem, raw, raw_shapes, sizes = _all_modes(linear)
+    squares, shapes = problem.refined(raw, raw_shapes, precise, sizes)
+    neutral = problem.neutral(squares, shapes, sizes if shapes is raw_shapes else None)
     rigid = np.hstack([problem.rigid, shapes[:, neutral]])
     squares, shapes = squares[~neutral], shapes[:, ~neutral]
     flexible = shapes / squares
@@ -266,7 +299,7 @@ def _of_iteration(problem: _Problem, count: int, square: float) -> Undamped:
             break
         wanted = max(missing, 0) + EXTRA
         if wanted + len(squares) >= most - 1:
-            return _of_full_matrices(_Problem(problem.linear.unconditional()))
+            return _of_full_matrices(problem.linear.unconditional())
     low = square - reach
     first = 0
     if certified and low > 0.0:

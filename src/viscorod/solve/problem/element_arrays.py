@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import NamedTuple
+
 import numpy as np
 
 from viscorod.mechanics.elements.basis import lobatto
@@ -9,8 +11,31 @@ from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.geometric_element import strains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.solve.formulations.system import GaussPositions
+from viscorod.solve.once import once
 from viscorod.solve.problem.problem import ElementSet, Problem
 from viscorod.typing import Floats, Integers
+
+
+class ElementArrays(NamedTuple):
+    """All elements of a problem; systems share these arrays and change none of them.
+
+    Attributes:
+        groups: which elements have one order; elements: all, with the strains of the reference shape.
+        positions: of the Gauss points in the order of results; places: where these are in the arrays of ``elements``.
+    """
+
+    groups: tuple[ElementGroup, ...]
+    elements: Elements
+    positions: GaussPositions
+    places: Integers
+
+
+@once
+def element_arrays(problem: Problem) -> ElementArrays:
+    """Return the arrays of all elements of a problem, with the strains of the interpolated reference shape."""
+    order, positions = gauss_positions(problem.sets)
+    elements = all_elements(problem, unstressed_strains(problem))
+    return ElementArrays(element_groups(problem), elements, positions, gauss_indices(problem.sets)[order])
 
 
 def all_branches(problem: Problem) -> Floats:

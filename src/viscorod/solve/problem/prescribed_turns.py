@@ -26,10 +26,10 @@ def prescribed_turn(model: ModelDescription) -> float:
     Those at t = 0 and where functions of time have corners count, of supports and of motors that close a loop. What
     turns as a whole, such as a blade on a hub, is not turned against anything.
     """
-    turns = [_turns(support.axes, support.motion) for support in model.resolved_supports() if support.held]
-    free_of_motion = all(not support.motion for support in model.resolved_supports())
     largest = 0.0
-    if not free_of_motion:
+    supports = model.resolved_supports()
+    if any(support.motion for support in supports):
+        turns = [_turns(support.axes, support.motion) for support in supports if support.held]
         times = sorted({0.0, *(t for turn in turns for t in turn[0])})
         at = np.array([[_at(turn, t, before) for turn in turns] for t in times for before in (True, False)])
         for first, second in combinations(range(len(turns)), 2):

@@ -14,6 +14,7 @@ from viscorod.model.actions.load_effects import MotionLaw, TimeFactor
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
+from viscorod.solve.linear.known_plans import plan_of
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
@@ -249,4 +250,4 @@ class Problem:
     @cached_property
     def plan(self) -> Plan:
         """The plan by which all matrices are factorised."""
-        return Plan.of(self.pattern, self.interiors)
+        return plan_of(self.pattern, self.interiors)

@@ -12,6 +12,7 @@ from viscorod.solve.history import StationReader
 from viscorod.solve.problem.external_loads import NO_LOADS, ExternalLoads
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.solve.refinement.half_elements import read
 from viscorod.typing import Floats
 
 __all__ = ["CoarseMotion"]
@@ -31,6 +32,8 @@ class CoarseMotion:
         self.supports = SupportState(self.problem)
         self.loads = ExternalLoads(self.problem)
         self._reader = StationReader(self.problem)
+        # supported nodes follow apart: the mass of a point mass whose rotations are held has no inverse
+        self._loose = np.setdiff1d(np.arange(self.problem.size), self.supports.set.nodes)
 
     def other_stress(self, state: State, section_force: Floats, t: float, *, before: bool) -> Floats:
         """Return the section forces that the strains of the poses do not explain ``(m, 6)``.
@@ -45,19 +48,14 @@ class CoarseMotion:
         held = np.einsum("mii->mi", self.system.gauss_positions().stiffness) == 0.0
         return np.where(held, 0.0, section_force - self.system.gauss_points().section_force)
 
-    def inertia(
-        self, state: State, stress: Floats, near: Floats, t: float, *, before: bool
-    ) -> tuple[Floats, Floats]:
-        """Return the inertial forces on the finer nodes, and the rates of the twists of the coarse ones.
-
-        The former are wrenches in body axes that act beside the loads ``(n, 6)``, the latter ``(n', 6)`` contain what
-        turning axes make of velocities.
+    def rate(self, state: State, stress: Floats, near: Floats, t: float, *, before: bool) -> Floats:
+        """Return the rates of the twists of the coarse nodes ``(n, 6)``, with what turning axes make of velocities.
 
         Args:
             state: of the coarse mesh; stress: section forces beside the elastic ones ``(m, 6)``; near: angles of
                 joints; t: time [s] of loads and supports; before: whether from the left.
         """
-        problem, system = self.problem, self.system
+        problem, system, loose = self.problem, self.system, self._loose
         self.supports.update(t, before)
         if len(near):
             system.constraints.near[:] = near
@@ -65,12 +63,10 @@ class CoarseMotion:
         system.prestress = self.finer.arranged(stress, system)
         system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=False)
         force = system.external - system.internal
-        # supported nodes follow below: the mass of a point mass whose rotations are held has no inverse
-        loose = ~np.isin(np.arange(len(force)), self.supports.set.nodes)
         rate = np.zeros_like(force)
         rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
         self._obey_supports(state, force, rate)
-        return self.spread(state, rate), rate
+        return rate
 
     def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
         """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""
@@ -91,32 +87,35 @@ class CoarseMotion:
                     N @ np.linalg.lstsq(own, N.T @ (force[node] - mass[node] @ given), rcond=None)[0]
                 )
 
-    def spread(self, state: State, rate: Floats) -> Floats:
-        """Return minus mass times rates of twist ``(n, 6)`` on the finer nodes ``(n', 6)``; see :meth:`spread_all`."""
-        return np.asarray(self.spread_all(state, rate[None])[0])
-
-    def spread_all(self, state: State, rates: Floats) -> Floats:
+    def inertia(self, r: Floats, q: Floats, rates: Floats, fine_q: Floats | None = None) -> Floats:
         """Return minus mass times rates ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``: see :meth:`fields`."""
-        return np.asarray(-np.einsum("nij,knj->kni", self.finer.problem.mass, self.fields(state, rates)))
+        return np.asarray(
+            -np.einsum("nij,knj->kni", self.finer.problem.mass, self.fields(r, q, rates, fine_q))
+        )
 
-    def fields(self, state: State, rates: Floats) -> Floats:
-        """Return twists, or rates of them, ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``.
+    def fields(self, r: Floats, q: Floats, rates: Floats, fine_q: Floats | None = None) -> Floats:
+        """Return twists, or rates of them, ``(k, n, 6)`` on the finer nodes ``(k, n', 6)``, body axes.
 
-        Rates of displacement are mixed in global axes.
+        Rates of displacement are mixed in global axes. They act beside the loads.
+
+        Args:
+            r, q: poses of the coarse nodes, in one state ``(n, 3)``, ``(n, 4)`` or in as many ``(k, n, ...)``.
+            rates: ``(k, n, 6)``; fine_q: unit quaternions of the finer stations, if they are known.
         """
         finer, fine, number = self.finer, self.finer.problem, len(rates)
-        r, q = (np.broadcast_to(x, (number, *x.shape)) for x in (state.r, state.q))
+        count, bodies = len(self.problem.stations.nodes), finer.bodies
+        if fine_q is None:
+            fine_q = finer.interpolated(r, q)[1]
+        r, q = (np.broadcast_to(x, (number, *x.shape[-2:])) for x in (r, q))
         _, _, linear, angular = self._reader.read(r, q, rates)
-        count = len(self.problem.stations.nodes)
-        field = np.concatenate([linear, angular], axis=2)[:, :count]
-        columns = np.moveaxis(field, 0, 1).reshape(count, -1)
-        field = np.moveaxis(finer.at_stations(columns).reshape(-1, number, 6), 1, 0)
-        found = np.zeros((number, fine.size, 6))
+        field = read(finer.halves.stations, np.concatenate([linear, angular], axis=2)[:, :count])
         own = fine.stations.links < 0
         nodes = fine.stations.nodes[own]
-        bodies = finer.bodies
+        found = np.zeros((number, fine.size, 6))
         found[:, :bodies] = rates[:, :bodies]
-        axes = matrices(finer.interpolated(state)[1][own])
-        found[:, nodes, :3] = np.einsum("nji,knj->kni", axes, field[:, own, :3])
+        axes = matrices(fine_q[..., own, :].reshape(-1, 4)).reshape(-1, len(nodes), 3, 3)
+        found[:, nodes, :3] = np.einsum(
+            "knji,knj->kni", np.broadcast_to(axes, (number, *axes.shape[1:])), field[:, own, :3]
+        )
         found[:, nodes, 3:] = field[:, own, 3:]
         return found

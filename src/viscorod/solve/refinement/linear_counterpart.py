@@ -9,7 +9,6 @@ import scipy.sparse.linalg as spla
 from scipy import sparse
 
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
-from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.refinement.finer_mesh import Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
@@ -59,8 +58,8 @@ class LinearCounterpart:
             anchor: stiffness over mass [1/s^2] by which inertia resists (see ``Balance``).
         """
         finer, reduced = self.finer, self.finer.reduced
-        base = State(self.coarse.base.r, self.coarse.base.q, np.zeros((len(self.coarse.base.r), 6)))
-        xi, x, a = self.moving.fields(base, np.array(now).reshape(3, -1, 6)).reshape(3, -1)
+        base = self.coarse.base
+        xi, x, a = self.moving.fields(base.r, base.q, np.array(now).reshape(3, -1, 6)).reshape(3, -1)
         force = finer.loads(t, before) - finer.internal(xi, x) - finer.mass @ a
         stiffness = sparse.csc_array(reduced.stiffness + anchor * reduced.mass)
         xi = xi + reduced.basis @ spla.spsolve(stiffness, reduced.basis.T @ force)

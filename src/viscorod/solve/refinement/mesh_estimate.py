@@ -7,13 +7,15 @@ Int. J. Numer. Meth. Eng. 24 (1987), call the difference from a better solution 
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product
-from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape, halves
-from viscorod.typing import Floats
+from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
+from viscorod.solve.refinement.half_elements import read
+from viscorod.typing import Floats, Integers
 
 __all__ = ["MeshEstimate", "difference"]
 
@@ -110,33 +112,35 @@ class MeshEstimate:
         )
 
 
-def difference(finer: FinerMesh, shape: Shape, found: Shape) -> MeshEstimate:
-    """Return the errors of a solution of the coarse mesh, from the one that was ``found`` on the finer mesh."""
-    coarse = finer.coarse
-    r, q = finer.interpolated(shape.state)
-    fine_r, fine_q = finer.stations(found.state)
-    moved = float(np.linalg.norm(fine_r - finer.reference, axis=1).max(initial=0.0))
-    forces = np.linalg.norm(found.section_force.reshape(-1, 2, 3), axis=2).max(axis=0)
+def difference(finer: FinerMesh, carried: Carried, found: Sequence[Shape]) -> MeshEstimate:
+    """Return the largest errors of some solutions of the coarse mesh, from those ``found`` on the finer mesh."""
+    coarse, halves = finer.coarse, finer.halves
+    r, q, mine = carried.r, carried.q, np.array([shape.section_force for shape in carried.shapes])
+    theirs = np.array([shape.section_force for shape in found])
+    fine_r, fine_q = finer.stations(*(np.array([getattr(s.state, name) for s in found]) for name in "rq"))
+    moved = float(np.linalg.norm(fine_r - finer.reference, axis=-1).max(initial=0.0))
+    forces = np.linalg.norm(theirs.reshape(-1, 2, 3), axis=2).max(axis=0)
     forces = np.maximum(forces, FAINT * _round_off(finer, r))
+    gaps = (r - finer.coarse_reference) - (fine_r - finer.reference)
+    of_rods = _largest(np.linalg.norm(gaps, axis=-1), halves.finer_stations)
+    inside = _largest(np.linalg.norm(read(halves.inside, gaps), axis=-1), halves.inner)
+    turned = _relative((r, q), (fine_r, fine_q), halves.ends, coarse.length).max(axis=0)
+    apart = (read(halves.whole, mine) - read(halves.divided, theirs)).reshape(len(found), -1, 2, 3)
+    apart = _largest(np.linalg.norm(apart, axis=-1), halves.places)
     rods, elements = {}, {}
-    worst = 0.0
-    first = point = 0
-    for name, (p, n), length in zip(coarse.rods, finer.sizes, coarse.rod_lengths, strict=True):
-        mine = slice(first, first + 2 * p * n + 1)
-        gaps = (r - finer.coarse_reference)[mine] - (fine_r - finer.reference)[mine]
-        gap = float(np.linalg.norm(gaps, axis=1).max())
-        ends = first + 2 * p * np.arange(n + 1)
-        turned = _relative(r[ends], q[ends], fine_r[ends], fine_q[ends], coarse.length)
-        apart = _force_gaps(
-            p,
-            shape.section_force[point : point + p * n].reshape(n, p, 6),
-            found.section_force[2 * point : 2 * (point + p * n)].reshape(n, 2 * p, 6),
-        )
-        rods[name] = gap / float(length)
-        elements[name] = np.column_stack([np.maximum(n * turned, _inside(gaps, 2 * p)), apart])
-        worst = max(worst, gap)
-        first, point = mine.stop, point + p * n
-    return MeshEstimate(rods, worst, min(moved, coarse.length), forces, elements, coarse.length)
+    for k, (name, length) in enumerate(zip(coarse.rods, coarse.rod_lengths, strict=True)):
+        own = slice(halves.elements[k], halves.elements[k + 1])
+        rods[name] = float(of_rods[k]) / float(length)
+        errors = np.maximum((own.stop - own.start) * turned[own], inside[own])
+        elements[name] = np.column_stack([errors, apart[own]])
+    return MeshEstimate(
+        rods, float(of_rods.max()), min(moved, coarse.length), forces, elements, coarse.length
+    )
+
+
+def _largest(values: Floats, first: Integers) -> Floats:
+    """Return the largest of ``values (k, places, ...)`` in all of ``k`` states, of places from each ``first`` on."""
+    return np.asarray(np.maximum.reduceat(values.max(axis=0), first, axis=0))
 
 
 def _round_off(finer: FinerMesh, r: Floats) -> Floats:
@@ -149,43 +153,24 @@ def _round_off(finer: FinerMesh, r: Floats) -> Floats:
     return np.asarray(np.finfo(float).eps * noise)
 
 
-def _inside(gaps: Floats, step: int) -> Floats:
-    """Return the largest difference within every element beside that of its ends ``(elements,)`` [m].
-
-    Args:
-        gaps: of the positions of a rod's stations ``(step n + 1, 3)`` [m]; step: stations to the end of an element.
-    """
-    ends = gaps[::step]
-    part = np.arange(1, step) / step
-    between = (1.0 - part)[:, None] * ends[:-1, None] + part[:, None] * ends[1:, None]
-    inner = gaps[:-1].reshape(len(ends) - 1, step, 3)[:, 1:]
-    return np.asarray(np.linalg.norm(inner - between, axis=2).max(axis=1))
-
-
-def _force_gaps(order: int, mine: Floats, theirs: Floats) -> Floats:
-    """Return the largest differences of section forces and moments, as the polynomials of elements give them.
-
-    Args:
-        order: of the elements; mine, theirs: section forces at their Gauss points ``(n, p, 6)`` and ``(n, 2 p, 6)``.
-
-    Returns:
-        ``(n, 2)`` [N, N m].
-    """
-    read = halves(order)
-    apart = np.einsum("kg,egc->ekc", read.whole, mine) - np.einsum("kg,egc->ekc", read.divided, theirs)
-    return np.asarray(np.linalg.norm(apart.reshape(len(mine), -1, 2, 3), axis=3).max(axis=1))
-
-
-def _relative(r: Floats, q: Floats, fine_r: Floats, fine_q: Floats, length: float) -> Floats:
-    """Return by how much the pose of the end of every element, seen from its start, differs ``(elements,)`` [m].
+def _relative(
+    mine: tuple[Floats, Floats], theirs: tuple[Floats, Floats], ends: Integers, length: float
+) -> Floats:
+    """Return by how much the pose of the end of every element, seen from its start, differs ``(k, elements)`` [m].
 
     Rotations count with the length of the model: they carry what comes after them.
+
+    Args:
+        mine, theirs: positions [m] and unit quaternions of stations ``(k, stations, ...)``; ends: of all elements
+            ``(elements, 2)``.
     """
 
     def seen(r: Floats, q: Floats) -> tuple[Floats, Floats]:
-        frames = matrices(q[:-1])
-        return np.einsum("eji,ej->ei", frames, np.diff(r, axis=0)), product(conjugate(q[:-1]), q[1:])
+        start, end = ends.T
+        frames = matrices(q[:, start].reshape(-1, 4)).reshape(len(q), -1, 3, 3)
+        way = r[:, end] - r[:, start]
+        return np.einsum("keji,kej->kei", frames, way), product(conjugate(q[:, start]), q[:, end])
 
-    (d, turn), (fine_d, fine_turn) = seen(r, q), seen(fine_r, fine_q)
-    angle = 2.0 * np.linalg.norm(product(conjugate(turn), fine_turn)[:, 1:], axis=1)
-    return np.asarray(np.linalg.norm(d - fine_d, axis=1) + length * angle)
+    (d, turn), (fine_d, fine_turn) = seen(*mine), seen(*theirs)
+    angle = 2.0 * np.linalg.norm(product(conjugate(turn), fine_turn)[..., 1:], axis=-1)
+    return np.asarray(np.linalg.norm(d - fine_d, axis=-1) + length * angle)

@@ -16,11 +16,12 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.correction import Balance, corrected
-from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
+from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
+from viscorod.solve.refinement.half_elements import read
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
-from viscorod.solve.refinement.phase_drift import PhaseDrift
+from viscorod.solve.refinement.phase_drift import AtRest, PhaseDrift
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.linear_model import LinearModel
@@ -65,6 +66,7 @@ class MeshWatch:
         self.noted: list[tuple[float, Snapshot]] = []
         self.start: Snapshot | None = None
         self._count, self._next = 0, 1
+        self._at_rest: AtRest | None = None
 
     @cached_property
     def finer(self) -> FinerMesh:
@@ -147,9 +149,15 @@ class MeshWatch:
         self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
     ) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
-        self.finer.set_prestress(np.zeros_like(start.section_force))
-        shape = Shape(start.state, start.section_force, _angles(start))
-        return PhaseDrift(self.finer, static, shape, scale, modes)
+        found = PhaseDrift(self._moving, static, _shape(start), scale, modes, self._at_rest)
+        self._at_rest = found.finer
+        return found
+
+    def share(self, other: MeshWatch) -> None:
+        """Use the finer mesh of another watch of the same problem, and what is known of states at rest there."""
+        assert self.problem is other.problem
+        made = {"finer", "_moving", "_at_rest"}
+        vars(self).update({name: value for name, value in vars(other).items() if name in made})
 
     def see_motion(
         self, last: tuple[float, Snapshot], static: StaticSolver, scale: float, modes: StartModes
@@ -163,8 +171,8 @@ class MeshWatch:
         if not self.feasible:
             return
         noted = self._chosen(last)
-        anchor, times = (np.pi / last[0]) ** 2, [t for t, _ in noted]
-        rates = [self._compare_moving(state, t, before=True, anchor=anchor) for t, state in noted]
+        times = [t for t, _ in noted]
+        rates = self._compare_moving(noted, before=True, anchor=(np.pi / last[0]) ** 2)
         if self.start is not None:
             drift = self.phases(static, self.start, scale, modes)
             self._drift(drift, times, rates, drift.kicked(self.start.state.twist, self._begins()))
@@ -177,14 +185,15 @@ class MeshWatch:
             return
         start, finer = self.start.state, self.finer
         drift = self.phases(static, self.start, scale, modes)
-        if drift.rest is None or self.problem.relaxing:
+        rest = drift.finer.state
+        if rest is None or self.problem.relaxing:
             self._count_in(False)
             return
         coarse = LinearModel(self.system, self._moving.supports, 0.0, start)
         counterpart = LinearCounterpart(
-            coarse, LinearModel(finer.system, finer.supports, 0.0, drift.rest), self._moving
+            coarse, LinearModel(finer.system, finer.supports, 0.0, rest), self._moving
         )
-        rates, shape = [], start.twist.shape
+        rates, seen, shape = [], [], start.twist.shape
         noted = self._chosen(last)
         for t, snapshot in noted:
             now = counterpart.state(snapshot, t, before=True)
@@ -195,8 +204,10 @@ class MeshWatch:
                 before=True,
                 anchor=self._resisting(rates[-1], snapshot.state.twist, (np.pi / last[0]) ** 2),
             )
-            self._take_in(Shape(snapshot.state, snapshot.section_force, found.near), found)
+            seen.append(found)
             self._count_in(True)
+        shapes = [_shape(snapshot) for _, snapshot in noted]
+        self._take_in(finer.carried(shapes), seen)
         begun = counterpart.state(self.start, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
         self._drift(drift, [t for t, _ in noted], rates, kick)
@@ -219,25 +230,43 @@ class MeshWatch:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
         assert self.start is not None
         stress = self._moving.other_stress(self.start.state, self.start.section_force, 0.0, before=False)
-        return self._moving.inertia(self.start.state, stress, _angles(self.start), 0.0, before=False)[1]
+        return self._moving.rate(self.start.state, stress, _angles(self.start), 0.0, before=False)
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
         if self.feasible:
-            self._compare_moving(rotation, 0.0, before=False, anchor=1e-4 * spin**2)
+            self._compare_moving([(0.0, rotation)], before=False, anchor=1e-4 * spin**2)
 
-    def _compare_moving(self, snapshot: Snapshot, t: float, *, before: bool, anchor: float) -> Floats:
-        """Compare a state whose inertial forces are those that the coarse mesh leaves unbalanced.
+    def _compare_moving(
+        self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float
+    ) -> list[Floats]:
+        """Compare states whose inertial forces are those that the coarse mesh leaves unbalanced, at their times [s].
 
         Returns:
-            the rates of the twists of all nodes ``(n, 6)``.
+            the rates of the twists of all nodes ``(n, 6)``, of every state.
         """
-        stress = self._moving.other_stress(snapshot.state, snapshot.section_force, t, before=before)
-        inertia, rate = self._moving.inertia(snapshot.state, stress, _angles(snapshot), t, before=before)
-        self.finer.set_prestress(stress)
-        anchor = self._resisting(rate, snapshot.state.twist, anchor)
-        self._compare(snapshot, Balance(self.finer, t, before=before, inertia=inertia, anchor=anchor))
-        return rate
+        moving, finer = self._moving, self.finer
+        shapes = [_shape(snapshot) for _, snapshot in noted]
+        stresses = [moving.other_stress(s.state, s.section_force, t, before=before) for t, s in noted]
+        rates = [
+            moving.rate(shape.state, stress, shape.near, t, before=before)
+            for shape, stress, (t, _) in zip(shapes, stresses, noted, strict=True)
+        ]
+        carried = finer.carried(shapes)
+        r, q = (np.array([getattr(shape.state, name) for shape in shapes]) for name in "rq")
+        inertia = moving.inertia(r, q, np.array(rates), carried.q)
+        prestress = read(finer.halves.points, np.array(stresses))
+        found = []
+        for k, (t, snapshot) in enumerate(noted):
+            finer.set_prestress(prestress[k])
+            resisting = self._resisting(rates[k], snapshot.state.twist, anchor)
+            balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=resisting)
+            found.append(self._counterpart(balance, carried, k))
+        there = [k for k, other in enumerate(found) if other is not None]
+        self.found, self.lost = self.found + len(there), self.lost + len(found) - len(there)
+        if there:
+            self._take_in(carried.of(there), [other for other in found if other is not None])
+        return rates
 
     def _resisting(self, rate: Floats, twist: Floats, least: float) -> float:
         """Return stiffness over mass [1/s^2] by which inertia resists errors of a motion like this."""
@@ -254,17 +283,22 @@ class MeshWatch:
 
     def _estimate(self, snapshot: Snapshot, balance: Balance) -> bool:
         """Take the errors of a state into the estimate; return whether it has a counterpart on the finer mesh."""
-        shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
-        other = corrected(balance, self.finer.take_over(shape))
-        if other is None:
-            return False
-        found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
-        self._take_in(shape, found)
-        return True
+        carried = self.finer.carried([_shape(snapshot)])
+        found = self._counterpart(balance, carried)
+        if found is not None:
+            self._take_in(carried, [found])
+        return found is not None
 
-    def _take_in(self, shape: Shape, found: Shape) -> None:
-        """Take the difference of a solution from the one on the finer mesh into the estimate."""
-        self.estimate = difference(self.finer, shape, found).joined(self.estimate)
+    def _counterpart(self, balance: Balance, carried: Carried, k: int = 0) -> Shape | None:
+        """Return what one of some solutions is on the finer mesh, None if it has no counterpart there."""
+        other = corrected(balance, self.finer.take_over(carried, k))
+        if other is None:
+            return None
+        return Shape(other, self.finer.system.gauss_points().section_force, carried.shapes[k].near)
+
+    def _take_in(self, carried: Carried, found: list[Shape]) -> None:
+        """Take the differences of solutions from those on the finer mesh into the estimate."""
+        self.estimate = difference(self.finer, carried, found).joined(self.estimate)
 
     # --- what is said
 
@@ -346,6 +380,10 @@ class MeshWatch:
         if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
             return Division(division.order + 1, division.ends)
         return division.halved(marked)
+
+
+def _shape(snapshot: Snapshot) -> Shape:
+    return Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
 
 
 def _angles(snapshot: Snapshot) -> np.ndarray:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
 
+from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.refinement.correction import Balance, corrected
@@ -17,7 +19,7 @@ from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["PhaseDrift"]
+__all__ = ["AtRest", "PhaseDrift"]
 
 COUNT = 12
 """Slowest vibrations that are compared before a motion."""
@@ -31,35 +33,73 @@ UNLIKE = 0.2
 """Relative error of the frequency of a vibration that there is no other of on the finer mesh."""
 
 
+@dataclass(frozen=True)
+class AtRest:
+    """A state at rest as the finer mesh has it, and the vibrations about it.
+
+    Attributes:
+        shape: the state on the coarse mesh; scale: multiple of the loads at t = 0 that act there.
+        count: vibrations that were sought.
+        state, modes: on the finer mesh; None if there is no such state.
+    """
+
+    shape: Shape
+    scale: float
+    count: int
+    state: State | None
+    modes: StartModes | None
+
+    @classmethod
+    def of(cls, finer: FinerMesh, shape: Shape, scale: float, count: int) -> AtRest:
+        """Find the state and its vibrations."""
+        own = replace(shape, state=shape.state.copy())
+        state = None
+        if count:
+            finer.system.prestress = np.zeros((0, 1, 6))
+            state = corrected(Balance(finer, factor=scale), finer.take_over(finer.carried([shape])))
+        if state is None:
+            return cls(own, scale, count, None, None)
+        return cls(
+            own, scale, count, state, StartModes.of(linearise(finer.static, state, scale=scale), count)
+        )
+
+    def is_of(self, shape: Shape, scale: float, count: int) -> bool:
+        """Return whether it is that of exactly this state."""
+
+        def arrays(one: Shape) -> tuple[Floats, ...]:
+            return one.state.r, one.state.q, one.state.multiplier, one.section_force, one.near
+
+        pairs = zip(arrays(self.shape), arrays(shape), strict=True)
+        return (self.scale, self.count) == (scale, count) and all(np.array_equal(a, b) for a, b in pairs)
+
+
 class PhaseDrift:
     """Undamped vibrations about a state at rest, on a mesh and on the one twice as fine.
 
     Args:
-        finer: the finer mesh; static: solver of the coarse one; shape: the state on it; scale: multiple of the loads
-            at t = 0 that act there; modes: of the coarse one about this state, if they are known.
+        motion: motions as the finer mesh has them; static: solver of the coarse one; shape: the state on it; scale:
+            multiple of the loads at t = 0 that act there; modes: of the coarse one about this state, if they are known.
+        known: a state at rest on the finer mesh, which is taken if it is this one.
 
     Attributes:
-        modes: on the coarse mesh; better: on the finer one; rest: the state at rest there. None if there is none.
+        modes: on the coarse mesh; finer: state and modes on the finer one.
     """
 
     def __init__(
         self,
-        finer: FinerMesh,
+        motion: CoarseMotion,
         static: StaticSolver,
         shape: Shape,
         scale: float,
         modes: StartModes | None = None,
+        known: AtRest | None = None,
     ) -> None:
-        self.problem, self.state = finer.coarse, shape.state
+        self.problem, self.state, self._motion = motion.problem, shape.state, motion
         self.modes = modes or StartModes.of(linearise(static, shape.state, scale=scale), COUNT)
-        self.better: StartModes | None = None
-        self._motion = CoarseMotion(finer)
-        self.rest = (
-            corrected(Balance(finer, factor=scale), finer.take_over(shape)) if len(self.modes.omega) else None
-        )
-        if self.rest is not None:
-            count = min(len(self.modes.omega), FOLLOWED)
-            self.better = StartModes.of(linearise(finer.static, self.rest, scale=scale), count)
+        count = min(len(self.modes.omega), FOLLOWED)
+        if known is None or not known.is_of(shape, scale, count):
+            known = AtRest.of(motion.finer, shape, scale, count)
+        self.finer = known
 
     @property
     def leading(self) -> float:
@@ -72,11 +112,11 @@ class PhaseDrift:
 
         The same vibration is that whose shape is most alike; where none is, the error is taken as large.
         """
-        modes, better = self.modes, self.better
+        modes, better = self.modes, self.finer.modes
         if better is None or not len(better.omega):
             return np.zeros(len(modes.omega))
         shapes = modes.shapes.T.reshape(len(modes.omega), -1, 6)
-        momenta = self._motion.spread_all(self.state, shapes).reshape(len(modes.omega), -1)
+        momenta = self._motion.inertia(self.state.r, self.state.q, shapes).reshape(len(modes.omega), -1)
         alike = np.square(momenta @ better.shapes)
         best = better.omega[alike.argmax(axis=1)]
         alike[np.abs(better.omega / best[:, None] - 1.0) > TWINS] = 0.0

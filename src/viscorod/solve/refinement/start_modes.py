@@ -15,6 +15,8 @@ __all__ = ["StartModes"]
 
 COUNT = 24
 """Slowest vibrations that are followed in large models; in small ones it is all."""
+PRECISE = 1e-6
+"""Part of a squared frequency that rounding may spoil: errors are told by these modes, which is no use below that."""
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class StartModes:
         """Find the modes of small motions, at least ``count`` of them if there are as many; none if they cannot be."""
         rows = linear.basis.shape[0]
         try:
-            found = undamped_modes(linear, count)
+            found = undamped_modes(linear, count, precise=PRECISE)
         except SolveError:
             return cls(np.zeros(0), np.zeros((rows, 0)), np.zeros(0), np.zeros((rows, 0)))
         swinging = found.squares > 0.0

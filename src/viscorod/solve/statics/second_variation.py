@@ -18,6 +18,8 @@ from scipy import sparse
 from viscorod.mechanics.elements.section_laws import SectionLaws
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.once import once
+from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.work import Work, matrix_form
 from viscorod.typing import Floats
 
@@ -100,7 +102,14 @@ class SecondVariation:
 
 def without_elements(system: System) -> GeometricSystem:
     """Return a system without stiffness and damping of its elements, whose joints stand as in another."""
-    problem = system.problem
+    bare = GeometricSystem(_without_elements(system.problem))
+    bare.constraints.stand_as(system.constraints)
+    return bare
+
+
+@once
+def _without_elements(problem: Problem) -> Problem:
+    """Return the same problem without stiffness and damping of its elements."""
     sets = tuple(
         replace(
             e,
@@ -111,6 +120,4 @@ def without_elements(system: System) -> GeometricSystem:
         )
         for e in problem.sets
     )
-    bare = GeometricSystem(replace(problem, sets=sets))
-    bare.constraints.stand_as(system.constraints)
-    return bare
+    return replace(problem, sets=sets)

@@ -81,12 +81,12 @@ class StepErrors:
         fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
         followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
-        forces = _section_forces(problem, start, vibrating * followed)
-        stiff = (
-            trials.apart
-        )  # stiff sections turn a motion that went far from the start into forces that are none
+        squares = _squared_forces(problem, start, vibrating)
+        forces = _largest_forces(squares[followed])
+        # stiff sections turn a motion that went far from the start into forces that are none
+        stiff = trials.apart
         if not halved.strains:
-            stiff = np.minimum(stiff, _section_forces(problem, start, vibrating * ~followed))
+            stiff = np.minimum(stiff, _largest_forces(squares[~followed]))
         forces = FORCE_SAFETY * (forces + stiff)
         round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
         loaded = np.maximum(trials.forces, round_off)
@@ -185,14 +185,12 @@ def _rigid_motions(trials: Trials, stands_for: Floats, end: float) -> Floats:
     return error
 
 
-def _section_forces(problem: Problem, start: State, fields: Floats) -> Floats:
-    """Return the largest force and moment of sections that small motions from the start make together ``(2,)``.
+def _squared_forces(problem: Problem, start: State, fields: Floats) -> Floats:
+    """Return the squared section forces of small motions from the start, at all Gauss points ``(j, m, 6)``.
 
     Args:
         fields: body increments of the nodes ``(6 n, j)``.
     """
-    if not fields.shape[1]:
-        return np.zeros(2)
     system = GeometricSystem(problem)
     system.relaxation = None
     elements, still = system.elements(), np.zeros((problem.size, 6, 6))
@@ -200,5 +198,9 @@ def _section_forces(problem: Problem, start: State, fields: Floats) -> Floats:
     system.linearise(start, still, stress, operators, *np.zeros((2, len(problem.pattern.rows), 6, 6)))
     moved = fields.T.reshape(-1, problem.size, 6)[:, elements.nodes]
     forces = np.einsum("erc,kec->ker", operators.force, moved.reshape(*moved.shape[:2], -1))
-    squares = np.square(forces.reshape(len(forces), -1, 6)[:, system.gauss_indices()]).sum(axis=0)
-    return np.asarray(np.sqrt(squares.reshape(-1, 2, 3).sum(axis=2).max(axis=0, initial=0.0)))
+    return np.asarray(np.square(forces.reshape(len(forces), -1, 6)[:, system.gauss_indices()]))
+
+
+def _largest_forces(squares: Floats) -> Floats:
+    """Return the largest force and moment of sections that motions make together, by their squares ``(2,)``."""
+    return np.asarray(np.sqrt(squares.sum(axis=0).reshape(-1, 2, 3).sum(axis=2).max(axis=0, initial=0.0)))
