@@ -80,6 +80,35 @@ def test_cable_with_little_or_no_bending_stiffness(bending: float, support: tupl
     assert found.reactions.values[1, 0] == pytest.approx(pull, rel=1e-6)
 
 
+@pytest.mark.parametrize("axial", [1e6, 1e8, 1e9, 1e10])
+@pytest.mark.parametrize("support", [("ux", "uy", "uz", "rx"), ("ux", "uy", "uz")])
+def test_slack_cable_of_any_axial_stiffness(axial: float, support: tuple[str, ...]) -> None:
+    section = vr.StiffnessSection([axial / 2, axial / 2, axial, 0, 0, 0], [2.0, 2.0, 2.0, 1e-3, 1e-3, 2e-3])
+    model = vr.Model()
+    model.add("cable", vr.Rod.straight((0, 0, 0), (120, 0, 0), section=section))
+    model.support("cable.start", support)
+    model.pin("cable.end", motion={"ux": -20.0})
+    model.gravity((0, 0, -G))
+    pull, sag = catenary(120.0, 100.0, 2.0 * G, axial)
+    found = model.equilibrium()
+    assert found.position("cable@60.0") == pytest.approx([50.0, 0.0, -sag], abs=2e-3)
+    assert found.reactions.values[1, 0] == pytest.approx(pull, rel=1e-3)
+
+
+@pytest.mark.parametrize("length", [10.0, 1.0, 0.1])
+def test_slack_steel_wire_of_any_length(length: float) -> None:
+    """A wire of length over radius 1e4; ends bend over sqrt(EI/H) only, so the sag is nearly that of the catenary."""
+    steel, radius = vr.Material(2.1e11, 0.3, 7850.0), 1e-4 * length
+    model = vr.Model()
+    model.add("wire", vr.Rod.straight((0, 0, 0), (length, 0, 0), section=vr.Circle(radius), material=steel))
+    model.pin("wire.start")
+    model.pin("wire.end", motion={"ux": -length / 6})
+    model.gravity((0, 0, -G))
+    area = np.pi * radius**2
+    _, sag = catenary(length, 5 / 6 * length, 7850.0 * area * G, 2.1e11 * area)
+    assert -model.equilibrium().position(f"wire@{length / 2}")[2] == pytest.approx(sag, rel=0.01)
+
+
 def test_cable_of_no_bending_stiffness_swings_sideways() -> None:
     """A taut string: f_n = n/2L sqrt(T/m), the same up and down as sideways, as its weight is left out."""
     section = vr.StiffnessSection([5e5, 5e5, 1e6, 0, 0, 0], [0.1, 0.1, 0.1, 1e-6, 1e-6, 2e-6])

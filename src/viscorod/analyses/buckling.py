@@ -55,7 +55,7 @@ def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
         return _found(discrete, settings, about, linear, points)
     points, course = search.exact(settings.count, linear, discrete.options.progress)
     if course.outcome in (Outcome.COMPLETED, Outcome.POINTS):
-        return _found(discrete, settings, about, linear, points)
+        return _found(discrete, settings, about, linear, points, reached=search.reached)
     reached = f"{points[-1].factor:.6g}" if points else "the beginning"
     why = course.reason or course.outcome.value
     stopped = course.outcome is Outcome.INTERRUPTED
@@ -83,8 +83,9 @@ def _found(
     linear: Floats,
     points: list[CriticalPoint],
     outcome: str = "completed",
+    reached: float | None = None,
 ) -> Buckling:
-    """Return the result; ``about`` is the state of the linear problem."""
+    """Return the result; ``about`` is the state of the linear problem, ``reached`` how far equilibria were followed."""
     problem = discrete.problem
     reader = StationReader(problem)
     shapes, rotations, positions, factors, limits = [], [], [], [], []
@@ -105,6 +106,8 @@ def _found(
         "buckling_exact": int(settings.exact),
         "buckling_complete": int(len(factors) >= settings.count),
     }
+    if reached is not None:
+        attributes["buckling_reached"] = reached
     data = discrete.data_set(Buckling.kind, history, attributes)()
     moving, stations = ("critical", "station", "axis"), len(reader.nodes)
     shaped = (len(factors), stations, 3)

@@ -6,7 +6,7 @@ import json
 import logging
 import time
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
@@ -53,6 +53,8 @@ from viscorod.solve.transient.integrators.contract import StepReport
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from viscorod.results.result import Result
 
 __all__ = ["DiscreteModel", "named", "unheld"]
 
@@ -122,6 +124,7 @@ class DiscreteModel:
         options: of the present call.
         watch: estimates what the mesh makes wrong.
         began: when the computation did, on the clock of ``time.perf_counter``.
+        coarser: what the same analysis found on a coarser mesh, where there was one.
     """
 
     model: ModelDescription
@@ -134,6 +137,7 @@ class DiscreteModel:
     options: CallOptions
     watch: MeshWatch
     began: float
+    coarser: Result | None = None
 
     @classmethod
     def of(
@@ -210,12 +214,13 @@ class DiscreteModel:
         """
         return self._begun(self.model, self.problem, self.formulation, self.attributes | attributes, options)
 
-    def on_mesh(self, divisions: Divisions) -> DiscreteModel:
-        """Return the same model with its rods divided otherwise."""
+    def on_mesh(self, divisions: Divisions, coarser: Result | None = None) -> DiscreteModel:
+        """Return the same model with its rods divided otherwise; ``coarser`` is what was found on the present mesh."""
         problem = discretise(self.model, validated=True, divisions=divisions)
         stored = {name: (division.order, division.ends.tolist()) for name, division in divisions.items()}
         attributes = self.attributes | {"divisions": json.dumps(stored)}
-        return self._begun(self.model, problem, self.formulation, attributes, self.options)
+        made = self._begun(self.model, problem, self.formulation, attributes, self.options)
+        return replace(made, coarser=coarser)
 
     def of_problem(self, model: ModelDescription, problem: Problem) -> DiscreteModel:
         """Return what solves another problem, of a model with other numbers, in the same formulation."""

@@ -115,6 +115,8 @@ class _Equilibrium:
         discrete, allowed = self.discrete, self.settings.search
         search = Search(discrete, factor, allowed=allowed, forced="search" in self.settings.model_fields_set)
         search.origin = self.origin if number == 0 else f"the end of stage {number}"
+        if discrete.coarser is not None and not self._staged:
+            search.near = StartState(discrete, Start(result=discrete.coarser)).state
         from_reference = number == 0 and self.settings.start is None
         if from_reference or allowed:
             loose = discrete.require_held(discrete.static.loads.at(0.0, True, factor), searching=allowed)

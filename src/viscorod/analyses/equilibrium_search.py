@@ -35,7 +35,8 @@ class Search:
         allowed: whether it may go on by settling; forced: whether where rotations of more than a full turn are
             prescribed too; wound: whether it did not, because there are.
         loose: motions that loads hold elsewhere only.
-        origin: where it begins, in words.
+        origin: where it begins, in words; near: a state near by, which settling tries before it begins there;
+            resumed: whether this led to the result.
         steps: the load steps; settling: what came after them, None if it was not needed.
         stability: of the equilibrium at the end.
     """
@@ -48,6 +49,8 @@ class Search:
     wound: bool = False
     loose: list[FreeMotion] = field(default_factory=list)
     origin: str = "the reference shape"
+    near: State | None = None
+    resumed: bool = False
     steps: StaticPath = field(default_factory=StaticPath)
     settling: SettlingReport | None = None
     stability: Stability = field(default_factory=lambda: Stability(0, 0, False))
@@ -101,19 +104,23 @@ class Search:
             self.steps.outcome is Outcome.COMPLETED and bool(self.steps.factors),
         )
         unloaded = static.loads.at(0.0, self.before, self.factor).none
-        for careful in (True,) if unloaded else (False, True):
+        tries = [(start, 0.0, careful) for careful in ((True,) if unloaded else (False, True))]
+        if self.near is not None:
+            tries.insert(0, (self.near, 1.0, False))
+        for begun, motion, careful in tries:
             settling = Settling(static, before=self.before, factor=self.factor, careful=careful)
             self.settling = settling.report
-            at = start.copy()
+            at = begun.copy()
             try:
-                settling.run(at)
+                settling.run(at, motion=motion)
             except KeyboardInterrupt as asked:
                 self.steps.outcome, self.steps.reason = Outcome.INTERRUPTED, interruption(asked)
                 return False
-            if settling.report.found or settling.report.falls or not settling.moving:
+            if settling.report.found or (begun is start and (settling.report.falls or not settling.moving)):
                 break
         if settling.report.found:
             state.set(at)
+            self.resumed = begun is self.near
             if settling.downhill:  # neutral motions are none that leave
                 self.stability = Stability(settling.report.unstable, settling.report.unstable, False)
             else:
@@ -163,6 +170,8 @@ class Search:
         text = (
             f"settling from {self.origin} ({why}): pseudo-transient continuation, {self.settling.steps} steps"
         )
+        if self.resumed:
+            text += " on from that of a coarser mesh"
         if self.settling.knocks:
             text += f", off {self.settling.knocks} unstable"
         return f"{text}; where several equilibria are stable, this is one of them"

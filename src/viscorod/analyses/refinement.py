@@ -21,7 +21,7 @@ from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic
 from viscorod.results.result import Result
-from viscorod.results.run import Run
+from viscorod.results.run import Equilibrium, Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import linearise, natural_frequencies
@@ -79,7 +79,7 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
             stuck, before = (stuck + 1 if estimate.largest > GAIN * before else 0), estimate.largest
         if divisions is None or stuck > 1:
             break
-        discrete = discrete.on_mesh(divisions)
+        discrete = discrete.on_mesh(divisions, result if isinstance(result, Equilibrium) else None)
         result = analysis(discrete, settings)
     return result
 

@@ -113,10 +113,20 @@ class Buckling(Result):
                 "The search ended before as many were found as asked for; those beyond are not known"
             )
         elif not self.complete:
-            blocks.append("Fewer were found than asked for: the equilibria keep their stiffness beyond these")
+            blocks.append(f"Fewer were found than asked for{self._until()}")
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
         return page(blocks)
+
+    def _until(self) -> str:
+        """Return where the search ended, in words."""
+        if "buckling_reached" not in self.data.attrs:
+            return ": there are no more"
+        reached = float(self.data.attrs["buckling_reached"])
+        return (
+            f": the equilibria were followed to the load factor {reached:.6g} and keep their stiffness up to there. "
+            "Those beyond are found with `about`, from a load factor near them"
+        )
 
     @checked
     def plot(

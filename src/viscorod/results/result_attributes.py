@@ -136,6 +136,7 @@ class ResultAttributes(BaseModel):
     mode_about: str = ""
     buckling_exact: Literal[0, 1] | None = None
     buckling_complete: Literal[0, 1] | None = None
+    buckling_reached: float | None = None
 
 
 _TOGETHER = {

@@ -42,10 +42,14 @@ class CriticalSearch:
     Args:
         path: follows the equilibria; its solver has the stage of the loads that grow.
         state: the equilibrium at the load factor ``about``.
+
+    Attributes:
+        reached: load factor to which the equilibria were followed.
     """
 
     def __init__(self, path: PathFollower, state: State, about: float) -> None:
         self._path, self._state, self._about = path, state, about
+        self.reached = about
 
     def linear(self, count: int) -> tuple[Floats, Floats]:
         """Return the critical factors ``(k,)`` of the linear problem, and body increments ``(6 n, k)``."""
@@ -71,6 +75,7 @@ class CriticalSearch:
         last = float(expected[-1]) if len(expected) else self._about + 1.0
 
         def keep(point: PathPoint) -> None:
+            self.reached = float(point.factor)
             if told is not None:
                 before = points[-1].factor if points else self._about
                 told(float(point.factor), float(abs(point.factor - before)))

@@ -1,8 +1,10 @@
 """Linear buckling: load factors at which the stiffness vanishes if it changed as it does at one state.
 
-With the tangent ``K`` at an equilibrium and its derivative ``K'`` by the load factor along the path, critical factors
-``f`` and shapes solve ``(K + (f - f_0) K') x = 0``. The derivative contains what section forces of the linear solution
-and the turning of loads make, and the displacements of that solution too.
+With the tangent ``K`` at an equilibrium and its derivative ``K'`` by the load factor, critical factors ``f`` and shapes
+solve ``(K + (f - f_0) K') x = 0``. The derivative is that of the classical theory: what the section forces of the
+linear solution, those of joints and springs and the turning of loads make in the shape of the equilibrium. The
+displacements of that solution are left out: to first order they turn stiff directions towards weak ones, which takes
+stiffness that the second order gives back. A twisted shaft or a bent strip would seem to buckle at once.
 """
 
 from __future__ import annotations
@@ -19,7 +21,7 @@ from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.linear.sparse_lu import solver_within
 from viscorod.solve.statics.arc_length import ArcLength
 from viscorod.solve.statics.tangent import Tangent
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 __all__ = ["critical_factors"]
 
@@ -77,10 +79,9 @@ def _crushes(path: ArcLength, state: State, gone: Floats) -> bool:
 
 
 def _slope(path: ArcLength, state: State, factor: float) -> tuple[sparse.csr_array, Floats]:
-    """Return the derivative of the tangent stiffness by the load factor, along the linear solution; and this solution.
+    """Return the derivative of the tangent stiffness by the load factor, in the same shape; and the linear solution.
 
-    Section forces are carried along linearly: those of the moved nodes would be off by the large stiffness against
-    stretching times the square of the way.
+    Forces of springs that are Python functions stay as they are.
     """
     static, system = path.static, path.static.system
     _, per_factor = path.solve(state, factor)
@@ -88,16 +89,30 @@ def _slope(path: ArcLength, state: State, factor: float) -> tuple[sparse.csr_arr
     moved = np.sqrt(path.shape(per_factor[: system.problem.size]))
     change = min(path.unit, MOVED / max(moved, 1e-300))
 
+    gradients = system.constraints.measure(state)[2]
+    lengthened = nodal_products(system.constraints.arrays.nodes, gradients, per_factor[: system.problem.size])
+    rest = system.constraints.arrays.rest
+    as_given = rest.copy()
+
     def tangent_at(distance: float) -> Tangent:
         static.restore(state, path.t, before=path.before, scale=factor)
-        gone, there = distance * per_factor, state.copy()
-        retract(there.r, there.q, gone, there.r, there.q)
-        system.carry_stress(gone)
+        there = state.copy()
+        system.carry_stress(distance * per_factor)
         there.multiplier += distance * multiplier
-        return static.tangent_here(there, path.t, before=path.before, scale=factor + distance)
+        rest[:] = as_given - distance * lengthened
+        try:
+            return static.tangent_here(there, path.t, before=path.before, scale=factor + distance)
+        finally:
+            rest[:] = as_given
 
     after, before = tangent_at(change), tangent_at(-change)
     return sparse.csr_array((after.stiffness - before.stiffness) / (2.0 * change)), per_factor
+
+
+def nodal_products(nodes: Integers, gradients: Floats, increments: Floats) -> Floats:
+    """Return the changes of coordinates ``(c,)`` with ``gradients (c, 12)`` by increments ``(n, 6)`` of the nodes."""
+    reached = np.where((nodes >= 0)[:, :, None], increments[nodes], 0.0)
+    return np.asarray(np.einsum("ck,ck->c", gradients, reached.reshape(len(nodes), 12)))
 
 
 def _largest(apply: Callable[[Floats], Floats], size: int, count: int) -> tuple[np.ndarray, np.ndarray]:

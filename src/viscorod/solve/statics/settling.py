@@ -176,20 +176,28 @@ class Settling:
         self._neutral, self._least, self._floor = NEUTRAL * self._mu, 1e-14 * self._mu, 0.0
 
     def _shorten(self, size: float, own: float) -> None:
-        """Shorten the next step after one that failed: one of some ``size``, or 0 without any."""
+        """Shorten the next step after one that failed: one of some ``size``, or 0 without any.
+
+        Motions grow by as much less as the step is shorter in the time of the flow: else they would outrun it, and
+        crush what is next to them.
+        """
         self.report.rejected += 1
+        less = 2.0
         if not 0.0 < size < FOLLOWING * own:
             if size:
                 self._floor = 1.5 * self._mu
-            self._mu *= 2.0 if size else 4.0
-        self._growth = max(0.5 * self._growth, LEAST_GROWTH if self.careful else 1e-4)
+            less = 2.0 if size else 4.0
+            self._mu *= less
+        self._growth = max(self._growth / less, LEAST_GROWTH)
 
     def _lengthen(self, size: float, own: float, iterations: int) -> None:
         """Choose the next step by how easy the last one was."""
-        self._growth = min((2.0 if size < WANTED else 0.5) * self._growth, self._most)
         easy = 0.1 if iterations <= 4 else 0.5
         free = 0.0 if size < FOLLOWING * own else size
-        self._mu = max(self._mu * min(max(easy, free / WANTED), 2.0), self._floor, self._least)
+        last = self._mu
+        self._mu = max(last * min(max(easy, free / WANTED), 2.0), self._floor, self._least)
+        longer = min(max(last / self._mu, 1.2), 4.0) if size < WANTED else 0.5
+        self._growth = min(longer * self._growth, self._most)
         self._floor *= 0.7
 
     def _unstable_on_the_way(self, x: State, goal: float) -> int:
