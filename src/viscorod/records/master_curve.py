@@ -13,6 +13,7 @@ from typing import Any
 
 import numpy as np
 from scipy.stats import norm
+from scipy.stats import t as student
 
 from viscorod.checks import number
 from viscorod.errors import Fault, InputError
@@ -93,7 +94,8 @@ def master_curve(
     first = _reference(celsius, tables, reference)
     fit = overlapped(tables, celsius, first, vertical)
     decades, covariance = fit.log_a / DECADE, fit.covariance[: len(celsius), : len(celsius)] / DECADE**2
-    width = float(norm.ppf(0.975)) * np.sqrt(np.diag(covariance))
+    quantile = student.ppf(0.975, fit.freedom)
+    width = quantile[: len(celsius)] * np.sqrt(np.diag(covariance))
     base, used = _law_base(covariance, first, fit.bridged)
     if law_range is not None:
         used = (celsius >= law_range[0]) & (celsius <= law_range[1])
@@ -286,7 +288,7 @@ def _result(
         for name, law in laws.items()
     }  # fmt: skip
     strains = {one.strain for one in tables} - {None}
-    quantile = float(norm.ppf(0.975))
+    lift_width = lift * (student.ppf(0.975, fit.freedom) * np.sqrt(np.diag(fit.covariance)))[count:]
     return MasterCurve(
         xr.Dataset(
             {
@@ -294,7 +296,7 @@ def _result(
                 "log_shift": ("sweep", fit.log_a / DECADE),
                 "log_shift_width": ("sweep", width),
                 "lift": ("sweep", lift),
-                "lift_width": ("sweep", quantile * lift * np.sqrt(np.diag(fit.covariance)[count:])),
+                "lift_width": ("sweep", lift_width),
                 "in_laws": ("sweep", used.astype(np.int64)),
                 "frequency": ("point", np.exp(log_omega) / (2.0 * np.pi)),
                 "storage": ("point", storage),

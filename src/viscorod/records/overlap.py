@@ -16,6 +16,7 @@ from scipy.interpolate import BSpline
 from scipy.optimize import least_squares
 
 from viscorod.model.materials.sweeps import DmaTable
+from viscorod.records.shift_noise import points_left, shift_covariance
 from viscorod.typing import Floats
 
 __all__ = ["Overlap", "overlapped"]
@@ -40,6 +41,10 @@ CAREFUL = 0.1
 """First steps of ln a."""
 HUBER = 2.0
 """Scatters from which on a point counts less."""
+MEDIAN_TO_DEVIATION = 1.4826
+"""Median of the sizes of normal noise times this is its standard deviation."""
+CLIPPED = 0.92054
+"""Mean square of normal noise of size one, cut off at `HUBER` (Huber's proposal 2 for the scatter, 1964)."""
 ROUNDS = 12
 SETTLED = 1e-4
 QUANTILE = 1.96
@@ -55,6 +60,7 @@ class Overlap:
     Attributes:
         log_a, log_b: natural logarithms of the shifts of the sweeps (n,), 0 of the reference.
         covariance: of log_a, then log_b (2 n, 2 n); zero of what is held.
+        freedom: degrees of freedom of the scatter that each of these rests on (2 n,).
         scatter: standard deviations of the logarithms of storage and loss modulus about the curves.
         knots: of the splines; curves: their coefficients (2, m).
         bridged: whether each sweep's moduli reach into those of a neighbour (n,).
@@ -63,6 +69,7 @@ class Overlap:
     log_a: Floats
     log_b: Floats
     covariance: Floats
+    freedom: Floats
     scatter: tuple[float, float]
     knots: Floats
     curves: Floats
@@ -101,23 +108,33 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
     layout = _Layout(
         x, sweep, np.where(known, y, 0.0), _knots(x + log_a[sweep]), free, vertical, celsius, bridged
     )
-    scatter = np.array([0.005, 0.01])  # small, so that the curves may follow all that the points say
+    first = np.array([0.005, 0.01])  # small, so that the curves may follow all that the points say
+    scatter = first.copy()
     trust = np.where(bridged[sweep], 1.0, UNSURE) * known
-    weights = trust.copy()
+    weights, updated = trust.copy(), first.copy()
     for _ in range(ROUNDS):
         before = log_a.copy()
         log_a[free] = layout.settled(log_a, weights / scatter[:, None])
         solution, residual = layout.solved(log_a, weights / scatter[:, None])
+        seen = known & (bridged[sweep] | ~bridged.any())
+        left = points_left(layout.whole(log_a, solution, weights / scatter[:, None]), weights, seen)
         for k in (0, 1):
-            seen = known[k] & (bridged[sweep] | ~bridged.any())
-            usual = 1.4826 * float(np.median(np.abs(residual[k][seen])))
-            scatter[k] = max(usual * layout.loosened(log_a), FINEST)
+            if np.array_equal(scatter, first):
+                found = MEDIAN_TO_DEVIATION * float(np.median(np.abs(residual[k][seen[k]])))
+                found *= np.sqrt(np.count_nonzero(seen[k]) / left[k])
+            else:
+                off = np.abs(residual[k][seen[k]])
+                found = float(np.sqrt(np.sum(np.minimum(off, HUBER * scatter[k]) ** 2) / (CLIPPED * left[k])))
+            updated[k] = max(found, FINEST)
+        scatter = updated.copy()
         off = np.abs(residual) / scatter[:, None]
         weights = trust * np.sqrt(np.minimum(1.0, HUBER / np.maximum(off, 1e-12)))
         if np.abs(log_a - before).max() < SETTLED:
             break
     weighted = layout.whole(log_a, solution, weights / scatter[:, None])
-    covariance = _covariance(weighted, residual / scatter[:, None], weights, sweep, layout.size, free, count)
+    covariance, freedom = shift_covariance(
+        weighted, residual / scatter[:, None], weights, sweep, layout.size, free, count, left
+    )
     covariance[:count, :count] += _across_gaps(log_a, touching, reference)
     log_b = np.zeros(count)
     if vertical:
@@ -126,6 +143,7 @@ def overlapped(tables: Sequence[DmaTable], celsius: Floats, reference: int, vert
         log_a=log_a,
         log_b=log_b,
         covariance=covariance,
+        freedom=freedom,
         scatter=(float(scatter[0]), float(scatter[1])),
         knots=layout.knots,
         curves=solution[: 2 * layout.size].reshape(2, -1),
@@ -249,12 +267,6 @@ class _Layout:
         ]
         return np.vstack([*parts, np.zeros((len(self.penalty), len(self.free)))])
 
-    def loosened(self, log_a: Floats) -> float:
-        """Return by how much residuals are smaller than the scatter, for the numbers that are fitted."""
-        curve = float(np.ptp(self.reduced(log_a))) / DECADE * KNOTS + 3.0
-        used = curve + 0.5 * (len(self.free) + self.lifted.shape[1])
-        return float(np.sqrt(1.0 / max(1.0 - used / len(self.x), 0.3)))
-
     def rows(self, weights: Floats) -> Floats:
         return np.concatenate([weights.ravel(), np.ones(len(self.penalty))])
 
@@ -315,42 +327,4 @@ def _second_differences(celsius: Floats) -> Floats:
     found = np.zeros((max(count - 2, 0), count))
     for k in range(count - 2):
         found[k, k : k + 3] = usual / step[k], -usual / step[k] - usual / step[k + 1], usual / step[k + 1]
-    return found
-
-
-def _covariance(
-    weighted: Floats,
-    residual: Floats,
-    weights: Floats,
-    sweep: np.ndarray,
-    size: int,
-    free: np.ndarray,
-    count: int,
-) -> Floats:
-    """Return the covariance of ln a and ln b of robust least squares, times what neighbours in a sweep have in common.
-
-    That of Huber's estimate (Street, Carroll and Ruppert 1988): the mean square of what the weights leave of the
-    residuals over the square of the part of them that has its full weight.
-    """
-    inverse = np.linalg.pinv(weighted.T @ weighted, rcond=1e-13, hermitian=True)
-    points = weighted[: residual.size]
-    used = float(
-        np.sum((points @ inverse) * points)
-    )  # numbers that the points determine; the penalties hold the rest
-    known = weights > 0.0
-    freedom = max(np.count_nonzero(known) - used, 1.0)
-    left = weights**2 * residual
-    full = float(np.mean(weights[known] == weights.max()))
-    variance = float(np.sum(left**2)) / freedom * float(np.mean(weights[known] ** 2)) / max(full, 0.5) ** 2
-    residual = weights * residual
-    same = sweep[1:] == sweep[:-1]
-    pairs = [
-        float(np.sum((one[1:] * one[:-1])[same]) / max(np.sum((one[1:] ** 2)[same]), 1e-300))
-        for one in residual
-    ]
-    rho = float(np.clip(np.mean(pairs), 0.0, 0.9))
-    part = inverse[2 * size :, 2 * size :] * variance * (1.0 + rho) / (1.0 - rho)
-    found = np.zeros((2 * count, 2 * count))
-    places = np.concatenate([free, count + free])[: len(part)]
-    found[np.ix_(places, places)] = part
     return found

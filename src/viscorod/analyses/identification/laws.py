@@ -27,7 +27,6 @@ from viscorod.results.identification import Foretold
 from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.intervals import Covariance, covariance
-from viscorod.solve.estimation.least_squares import leverage
 from viscorod.solve.estimation.noise import Noise, noise_of
 from viscorod.typing import Floats
 
@@ -234,8 +233,7 @@ def _frequency(pairs: Pairs) -> float:
 
 def _noise(found: Fitted) -> Noise:
     best = found.estimate
-    used = leverage(best.whitened_slopes)
-    return noise_of(best.noise.series, best.residuals, used)
+    return noise_of(best.noise.series, best.residuals, best.slopes, best.noise)
 
 
 def _square(noise: Noise, found: Fitted) -> float:

@@ -10,14 +10,14 @@ sum of squares over the others exceeds the least of all by the squared quantile.
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy import stats
 
 from viscorod.errors import InputError, SolveError
-from viscorod.solve.estimation.least_squares import Estimate, leverage
-from viscorod.solve.estimation.noise import LEAST_OWN
+from viscorod.solve.estimation.least_squares import Estimate
+from viscorod.solve.estimation.noise import LEAST_OWN, Noise, SeriesNoise, leverage
 from viscorod.typing import Floats
 
 __all__ = ["Covariance", "Interval", "covariance", "intervals", "profile_end"]
@@ -41,6 +41,8 @@ FARTHER, FAR = float(np.log(3.0)), 12
 """Steps in which the end of the interval of such an unknown is sought, and how many."""
 VERY_FAR = float(np.log(1e6))
 """Change of a logarithm, or of a number over its scale, at which a profile that has not risen never will."""
+COLOUR_STEP = 1e-3
+"""Change of coordinates of autocorrelations by which differences are taken."""
 SKEWED = 0.1
 """Relative difference of the sum of squares from a parabola's from which on the profile is taken."""
 
@@ -53,13 +55,16 @@ class Covariance:
         matrix: covariance ``(p, p)`` along the directions that the data see.
         unseen: orthonormal directions that they do not see ``(k, p)``.
         freedom: degrees of freedom of the noise that each unknown's standard error rests on ``(p,)``.
-        contributions: see `freedom_of`.
+        contributions: parts of the matrix that rest on one noise level each, with their degrees of freedom.
+        colours: derivatives of the matrix by the coordinates of autocorrelations ``(m, p, p)``, with the covariance of
+            these, of every series that has some.
     """
 
     matrix: Floats
     unseen: Floats
     freedom: Floats
     contributions: tuple[tuple[Floats, float], ...]
+    colours: tuple[tuple[Floats, Floats], ...] = ()
 
     @property
     def deviations(self) -> Floats:
@@ -82,13 +87,20 @@ class Covariance:
         return float(np.sqrt(max(float(gradient @ self.matrix @ gradient), 0.0)))
 
     def freedom_of(self, gradient: Floats) -> float:
-        """Return the degrees of freedom of a combination's standard error (Welch and Satterthwaite)."""
+        """Return the degrees of freedom of a combination's standard error.
+
+        Twice its square over the variance of its square, by the doubts of noise levels and of autocorrelations: F. E.
+        Satterthwaite, Biometrics 2 (1946) 110-114; M. G. Kenward and J. H. Roger, Biometrics 53 (1997) 983-997.
+        """
         whole = float(gradient @ self.matrix @ gradient)
         if whole <= 0.0:
             return np.inf
         below = sum(
             (float(gradient @ part @ gradient) / whole) ** 2 / free for part, free in self.contributions
         )
+        for slopes, doubt in self.colours:
+            part = np.einsum("i,kij,j->k", gradient, slopes, gradient) / whole
+            below += 0.5 * float(part @ doubt @ part)
         return float(1.0 / below) if below > 0.0 else np.inf
 
 
@@ -120,7 +132,7 @@ def covariance(found: Estimate) -> Covariance:
     groups: dict[tuple[str, int], tuple[Floats, float]] = {}
     for number, (series, noise) in enumerate(zip(found.noise.series, found.noise.found, strict=True)):
         part = white[series.rows]
-        own = series.count * noise.effective_part - float(used[series.rows].sum())
+        own = series.count - float(used[series.rows].sum())
         key = ("", number) if series.count >= LEAST_OWN else (f"{series.group}{series.told}", -1)
         if series.certain or (series.told and series.count < LEAST_OWN and noise.factor == 1.0):
             own = CERTAIN
@@ -128,9 +140,33 @@ def covariance(found: Estimate) -> Covariance:
         groups[key] = before[0] + part.T @ part, before[1] + own
     for information, free in groups.values():
         contributions.append((inverse @ information @ inverse, max(free, 1.0)))
-    result = Covariance(inverse, directions[~seen], np.zeros(count), tuple(contributions))
-    freedom = np.array([result.freedom_of(row) for row in np.eye(count)])
-    return Covariance(inverse, directions[~seen], freedom, tuple(contributions))
+    result = Covariance(
+        inverse, directions[~seen], np.zeros(count), tuple(contributions), _colours(found, inverse)
+    )
+    return replace(result, freedom=np.array([result.freedom_of(row) for row in np.eye(count)]))
+
+
+def _colours(found: Estimate, inverse: Floats) -> tuple[tuple[Floats, Floats], ...]:
+    """Return the derivatives of a covariance by the autocorrelations of every series, with the covariance of these."""
+    out = []
+    for number, noise in enumerate(found.noise.found):
+        slopes = []
+        for k in range(len(noise.partials)):
+            above, below = (
+                _information(found, number, noise.moved(k, sign * COLOUR_STEP)) for sign in (1.0, -1.0)
+            )
+            slopes.append(inverse @ (below - above) @ inverse / (2.0 * COLOUR_STEP))
+        if slopes:
+            out.append((np.stack(slopes), noise.doubt))
+    return tuple(out)
+
+
+def _information(found: Estimate, number: int, noise: SeriesNoise) -> Floats:
+    """Return what a series tells of the unknowns with this noise ``(p, p)``."""
+    series = found.noise.series[number]
+    alone = replace(series, rows=slice(0, series.count))
+    white = Noise((alone,), (noise,)).whitened(found.slopes[series.rows])
+    return np.asarray(white.T @ white)
 
 
 def intervals(

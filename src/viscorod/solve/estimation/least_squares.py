@@ -20,7 +20,7 @@ from viscorod.solve.estimation.predictions import Predictions
 from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
-__all__ = ["Estimate", "Scaled", "estimate", "leverage", "searched"]
+__all__ = ["Estimate", "Scaled", "estimate", "searched"]
 
 ROUNDS = 4
 """Times that the noise is estimated at most."""
@@ -207,8 +207,7 @@ def _weighted(
     noise = _first_noise(series)
     predicted, slopes = scaled.values(z), scaled.jacobian(z)
     for _ in range(ROUNDS):
-        used = leverage(noise.whitened(slopes))
-        noise = noise_of(series, measured - predicted, used, coloured=coloured, robust=robust)
+        noise = noise_of(series, measured - predicted, slopes, noise, coloured=coloured, robust=robust)
         white = noise.whitened(slopes)
         step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
         far = float(np.linalg.norm(white @ step))
@@ -233,14 +232,6 @@ def _weighted(
         agreeing,
         scaled.evaluations,
     )
-
-
-def leverage(white: Floats) -> Floats:
-    """Return how much of every value a fit takes up: the diagonal of its hat matrix ``(n,)``."""
-    size = np.linalg.norm(white, axis=0)
-    left, values, _ = np.linalg.svd(white / np.where(size > 0.0, size, 1.0), full_matrices=False)
-    kept = values > 1e-10 * values.max(initial=0.0)
-    return np.asarray(np.sum(left[:, kept] ** 2, axis=1))
 
 
 def _bounded_step(unknowns: Unknowns, z: Floats, white: Floats, residual: Floats) -> Floats:

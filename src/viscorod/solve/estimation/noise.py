@@ -1,28 +1,34 @@
 """The noise of measured values, from what a fit leaves: its size in every series, and how it goes with itself in time.
 
 A series is what one channel of one record gave. Regular histories may have coloured noise: residuals are described
-by an autoregression, r_t = sum a_i r_(t-i) + e_t, whose order the Bayesian information criterion chooses (Burg's
-method; P. J.
-Brockwell and R. A. Davis, Time Series: Theory and Methods, 1991, sections 8.2 and 9.3). Values are then whitened by it,
-and all that follows (estimates, covariances, intervals) is generalised least squares.
+by an autoregression, whose order the Bayesian information criterion chooses (P. J. Brockwell and R. A. Davis, Time
+Series: Theory and Methods, 1991, sections 8.2 and 9.3) and whose terms the restricted likelihood gives. Values are then
+whitened by it, and all that follows (estimates, covariances, intervals) is generalised least squares.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy import linalg, stats
+from scipy import stats
 
+from viscorod.solve.estimation.autoregression import (
+    autocorrelation_of,
+    chosen_partials,
+    restricted_partials,
+    terms_of,
+    whitened_by,
+)
 from viscorod.typing import Floats
 
-__all__ = ["Noise", "Series", "SeriesNoise", "autocorrelation", "ljung_box", "noise_of"]
+__all__ = ["Noise", "Series", "SeriesNoise", "autocorrelation", "leverage", "ljung_box", "noise_of"]
 
 LEAST_OWN = 30
 """Values that a series must have for a noise level of its own; smaller ones share one."""
-MOST_ORDER = 12
-"""Terms of an autoregression at most."""
+PASSES = 3
+"""Times that the noise of several coloured series is estimated beside each other's."""
 LARGER = 0.01
 """Probability of such residuals below which noise that was told counts as larger."""
 HUBER = 1.345
@@ -65,22 +71,41 @@ class SeriesNoise:
 
     Attributes:
         factor: its standard deviation over ``Series.noise``.
-        terms: of the autoregression of the residuals, none where they are white.
-        innovation: standard deviation of what the autoregression leaves, over that of the residuals.
+        partials: partial autocorrelations of the residuals, none where they are white.
+        doubt: covariance of their areas tangens.
         weights: of the rows in a robust fit; 1 of others.
         used: numbers that were fitted to the series.
     """
 
     factor: float
-    terms: Floats = field(default_factory=lambda: np.zeros(0))
-    innovation: float = 1.0
+    partials: Floats = field(default_factory=lambda: np.zeros(0))
+    doubt: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     weights: Floats | None = None
     used: float = 0.0
 
     @property
+    def terms(self) -> Floats:
+        """Terms of the autoregression of the residuals."""
+        return terms_of(self.partials)[0]
+
+    @property
+    def innovation(self) -> float:
+        """Standard deviation of what the autoregression leaves, over that of the residuals."""
+        return terms_of(self.partials)[1]
+
+    def moved(self, k: int, step: float) -> SeriesNoise:
+        """Return the noise with another partial autocorrelation, its area tangens moved by a step.
+
+        What the autoregression leaves keeps its size: that is known by itself.
+        """
+        partials = self.partials.copy()
+        partials[k] = np.tanh(np.arctanh(partials[k]) + step)
+        return replace(self, partials=partials, factor=self.factor * self.innovation / terms_of(partials)[1])
+
+    @property
     def effective_part(self) -> float:
         """Effective over actual number of values, for the variance of their mean square: 1/sum rho_k^2."""
-        if not len(self.terms):
+        if not len(self.partials):
             return 1.0
         rho = autocorrelation_of(self.terms, 400)
         return float(1.0 / (1.0 + 2.0 * np.sum(rho[1:] ** 2)))
@@ -101,7 +126,7 @@ class Noise:
             part = (out[series.rows].T / scale).T
             if noise.weights is not None:
                 part = (part.T * np.sqrt(noise.weights)).T
-            out[series.rows] = _prewhitened(part, noise) if len(noise.terms) else part
+            out[series.rows] = whitened_by(part, noise.partials) if len(noise.partials) else part
         return out
 
     @property
@@ -112,66 +137,19 @@ class Noise:
         )
 
 
-def _prewhitened(part: Floats, noise: SeriesNoise) -> Floats:
-    """Return residuals of an autoregression over their size; the first ones by the covariance of their start."""
-    order = len(noise.terms)
-    out = part.copy()
-    for lag, term in enumerate(noise.terms, start=1):
-        out[lag:] -= term * part[:-lag]
-    out /= noise.innovation
-    start = linalg.cholesky(linalg.toeplitz(autocorrelation_of(noise.terms, order)[:order]), lower=True)
-    out[:order] = linalg.solve_triangular(start, part[:order], lower=True)
-    return out
-
-
-def autocorrelation_of(terms: Floats, count: int) -> Floats:
-    """Return the autocorrelation of an autoregression at the lags 0 to ``count`` (Yule-Walker equations)."""
-    order = len(terms)
-    matrix, right = np.eye(order), np.array(terms, dtype=float)
-    for k in range(order):  # rho_(k+1) = sum_i a_i rho_|k+1-i|
-        for i, term in enumerate(terms):
-            lag = abs(k - i)
-            if lag:
-                matrix[k, lag - 1] -= term
-    right = np.array([terms[k] for k in range(order)])
-    rho = np.ones(max(count, order) + 1)
-    rho[1 : order + 1] = np.linalg.solve(matrix, right)
-    for lag in range(order + 1, len(rho)):
-        rho[lag] = terms @ rho[lag - order : lag][::-1]
-    return rho[: count + 1]
-
-
-def _autoregression(residuals: Floats) -> tuple[Floats, float]:
-    """Return the terms that the Bayesian information criterion chooses, and the size of what they leave."""
-    n = len(residuals)
-    size = float(np.mean(residuals**2))
-    if size == 0.0:
-        return np.zeros(0), 1.0
-    forward, backward = residuals.copy(), residuals.copy()
-    terms, variance = np.zeros(0), size
-    best = (n * np.log(size), terms, variance)
-    for order in range(1, min(MOST_ORDER, n // 10) + 1):
-        ahead, behind = forward[1:], backward[:-1]
-        below = float(ahead @ ahead + behind @ behind)
-        if below <= 1e-20 * n * size:
-            break
-        reflection = 2.0 * float(ahead @ behind) / below
-        terms = np.append(terms - reflection * terms[::-1], reflection)
-        variance *= 1.0 - reflection**2
-        forward, backward = ahead - reflection * behind, behind - reflection * ahead
-        if variance <= 1e-12 * size:
-            break
-        merit = n * np.log(variance) + order * np.log(n)
-        if merit < best[0]:
-            best = (merit, terms, variance)
-    _, terms, variance = best
-    # the size of noise with these terms, of which the residuals are one sample
-    power = 1.0 / (1.0 - terms @ autocorrelation_of(terms, len(terms))[1:]) if len(terms) else 1.0
-    return terms, float(np.sqrt(1.0 / power)) if len(terms) else 1.0
+def leverage(white: Floats) -> Floats:
+    """Return how much of every value a fit takes up: the diagonal of its hat matrix ``(n,)``."""
+    return np.asarray(np.sum((white @ _mixing(white)) ** 2, axis=1))
 
 
 def noise_of(
-    series: Sequence[Series], residuals: Floats, used: Floats, *, coloured: bool = True, robust: bool = False
+    series: Sequence[Series],
+    residuals: Floats,
+    slopes: Floats,
+    before: Noise | None = None,
+    *,
+    coloured: bool = True,
+    robust: bool = False,
 ) -> Noise:
     """Return the noise that residuals show.
 
@@ -180,13 +158,34 @@ def noise_of(
 
     Args:
         series: the series of the residuals.
-        residuals: ``(n,)``.
-        used: of every value, how much of it the fit has taken up (diagonal of the hat matrix, ``(n,)``).
+        residuals: ``(n,)``; slopes: derivatives of the predictions by the unknowns ``(n, p)``.
+        before: noise by which the values were weighted; as it was told, if not given.
         coloured: whether regular series may have an autocorrelation.
         robust: whether large residuals count less.
     """
+    now = before or Noise(tuple(series), tuple(SeriesNoise(1.0) for _ in series))
+    for _ in range(PASSES):
+        found = _once(series, residuals, slopes, now, coloured=coloured, robust=robust)
+        now = Noise(tuple(series), found)
+        if sum(len(one.partials) > 0 for one in found) == 0 or len(series) == 1:
+            break
+    return now
+
+
+def _once(
+    series: Sequence[Series],
+    residuals: Floats,
+    slopes: Floats,
+    before: Noise,
+    *,
+    coloured: bool,
+    robust: bool,
+) -> tuple[SeriesNoise, ...]:
+    """Return the noise of every series, weighted beside the others as before."""
+    white = before.whitened(slopes)
+    used = leverage(white)
     found = []
-    for one in series:
+    for number, one in enumerate(series):
         part = residuals[one.rows] / one.noise
         taken = float(used[one.rows].sum())
         if one.certain:
@@ -204,15 +203,55 @@ def noise_of(
             factor = size
         else:
             factor = float(np.sqrt(part @ part / free))
-        terms, innovation = np.zeros(0), 1.0
+        noise = SeriesNoise(factor or 1e-300, weights=weights, used=taken)
         if coloured and one.regular:
-            terms, innovation = _autoregression(part if weights is None else part * weights)
-        if len(terms):
-            whole = SeriesNoise(1.0, terms, innovation, weights)
-            white = Noise([one], [whole]).whitened(residuals)[one.rows]
-            factor = float(np.sqrt(white @ white / free))
-        found.append(SeriesNoise(factor or 1e-300, terms, innovation, weights, taken))
-    return Noise(tuple(series), tuple(found))
+            noise = _coloured(one, noise, part, slopes, white, before.found[number].factor, free)
+        found.append(noise)
+    return tuple(found)
+
+
+def _coloured(
+    series: Series,
+    noise: SeriesNoise,
+    part: Floats,
+    slopes: Floats,
+    white: Floats,
+    factor: float,
+    free: float,
+) -> SeriesNoise:
+    """Return the noise of a series with its autocorrelation, if it has one.
+
+    Args:
+        series: whose noise; noise: without it; part: residuals over the noise that was told ``(n,)``.
+        slopes: derivatives of all values; white: the same, whitened as before; factor: of the noise then.
+        free: values less the numbers that were fitted to them.
+    """
+    partials = chosen_partials(part if noise.weights is None else part * noise.weights)
+    if not len(partials):
+        return noise
+    # combinations of the unknowns that all series together tell to the same degree
+    mixed = _mixing(white)
+    own = white[series.rows] @ mixed
+    raw = (slopes[series.rows].T / (factor * series.noise)).T @ mixed
+    seen = part
+    if noise.weights is not None:
+        seen, raw = part * np.sqrt(noise.weights), (raw.T * np.sqrt(noise.weights)).T
+    others = (
+        np.eye(mixed.shape[1]) - own.T @ own if len(own) < len(white) else np.zeros((mixed.shape[1],) * 2)
+    )
+    partials, doubt = restricted_partials(partials, seen, raw, others)
+    whole = replace(noise, factor=1.0, partials=partials, doubt=doubt)
+    left = whitened_by(seen, partials)
+    return replace(whole, factor=float(np.sqrt(left @ left / free)) or 1e-300)
+
+
+def _mixing(white: Floats) -> Floats:
+    """Return the combinations of whitened derivatives that are orthonormal ``(p, k)``."""
+    size = np.linalg.norm(white, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    _, values, right = np.linalg.svd(white / size, full_matrices=False)
+    kept = values > 1e-10 * values.max(initial=0.0)
+    return np.asarray((right[kept] / values[kept, None]).T / size[:, None])
 
 
 def _shared(series: Sequence[Series], residuals: Floats, used: Floats, *, told: bool) -> float:
