@@ -20,6 +20,7 @@ from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
+from viscorod.analyses.sweeps.process_start import prepare
 from viscorod.analyses.sweeps.rows import Columns, Row, Values, rows_of
 from viscorod.casefile.case import Case, case_from_dict, load_case
 from viscorod.casefile.case_keys import put
@@ -111,6 +112,9 @@ def sweep(
         require_callback("progress", progress, 0.0)
     rows = rows_of(values, grid, constants)
     count = processes_of(executor, workers)
+    in_processes = count is not None and min(count, len(rows)) > 1
+    if in_processes:
+        prepare()
     wanted = quantities_of(quantities or {}, case.kind, rows[0])
     keep = not wanted if fields is None else bool(fields)
     looked = _estimated(len(rows), errors, keep)

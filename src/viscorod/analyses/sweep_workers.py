@@ -7,16 +7,17 @@ at, and its exit code how it ended.
 from __future__ import annotations
 
 import gc
-import multiprocessing
 import os
 import signal
 import threading
 from collections import Counter, deque
-from collections.abc import Callable, Iterator, MutableMapping, Sequence
-from contextlib import contextmanager, suppress
+from collections.abc import Callable, MutableMapping, Sequence
+from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import Any, TypeAlias
 
+from viscorod.analyses.sweeps.process_start import context as processes
+from viscorod.analyses.sweeps.process_start import one_thread_each
 from viscorod.errors import InputError
 from viscorod.results.sweep_members import NOT_RUN, Found
 
@@ -29,7 +30,6 @@ FAILED = "failed"
 UNTOUCHED: Found = (None, "the sweep was stopped before it", NOT_RUN)
 TRIES = 3
 """Processes that a member may lose before it counts as failed."""
-THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 _POLL = 0.1  # seconds between two looks at the workers
 _READY = "ready"
 
@@ -40,8 +40,9 @@ class _Worker:
     def __init__(self, context: Any, work: Work, cells: Any) -> None:
         self.connection: Any
         self.connection, end = context.Pipe()
-        self.process = context.Process(target=_serve, args=(end, work, cells), daemon=True)
-        with _one_thread_each():
+        with one_thread_each():
+            given = end, work, cells, dict(os.environ)
+            self.process = context.Process(target=_serve, args=given, daemon=True)
             self.process.start()
         end.close()
         self.ready = False
@@ -83,7 +84,7 @@ def in_parallel(
     Raises:
         InputError: no process could be started.
     """
-    context = multiprocessing.get_context("spawn")
+    context = processes()
     cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each job is; the last one stops all
     before = len(found)
     waiting, lost = deque(due), Counter[int | None]()
@@ -173,9 +174,12 @@ def _ended(code: int | None) -> str:
     return f"was ended by {name}"
 
 
-def _serve(connection: Any, work: Work, cells: Any) -> None:
+def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str]) -> None:
     """Compute what comes through the pipe, in a process of its own; the parent alone answers the keyboard."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    os.environ.update(
+        environment
+    )  # of the parent now, which may have started the process that this one is a copy of
     connection.send(_READY)
 
     def stopped() -> bool:
@@ -200,18 +204,3 @@ def _serve(connection: Any, work: Work, cells: Any) -> None:
         except Exception as error:  # what cannot be sent must not cost the others their results
             text = f"its result could not be handed over ({type(error).__name__}: {error})"
             connection.send((number, (None, text, FAILED)))
-
-
-@contextmanager
-def _one_thread_each() -> Iterator[None]:
-    """Let processes that start here use one thread each: there are as many of them as processors."""
-    before = {name: os.environ.get(name) for name in THREADS}
-    os.environ.update(dict.fromkeys(THREADS, "1"))
-    try:
-        yield
-    finally:
-        for name, value in before.items():
-            if value is None:
-                del os.environ[name]
-            else:
-                os.environ[name] = value

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from contextlib import nullcontext
+from importlib.util import find_spec
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -31,7 +32,7 @@ __all__ = [
 ]
 
 LARGEST_FILE = 2000
-"""Members of a sweep that is written to one file with their results; of larger ones the folder has all."""
+"""Members of a sweep that is written to one netCDF file; larger ones become a table or a store."""
 
 QuantityOptions = Annotated[
     list[str] | None,
@@ -155,7 +156,7 @@ def sweep(
                         fields=True if fields or not asked else None,
                         executor=executor_of(executor, scheduler),
                         workers=workers,
-                        folder=folder / "sweep" if asked or array_job else None,
+                        folder=folder / "sweep" if asked or array_job or count > LARGEST_FILE else None,
                         members=part,
                         errors=errors,
                         progress=progress,
@@ -192,7 +193,7 @@ def write(result: Sweep, folder: Path, *, alone: bool = True) -> list[Path]:
         result.table().to_csv(path)
         written.append(path)
     if len(result.members) <= LARGEST_FILE:
-        written.insert(0, result.save(folder / "sweep.nc"))
-    else:
-        written.insert(0, folder / "sweep")
-    return written
+        return [result.save(folder / "sweep.nc"), *written]
+    if find_spec("pyarrow") is None or find_spec("zarr") is None:
+        return [folder / "sweep", *written]
+    return [result.save(folder / ("sweep.zarr" if result.members.kept() else "sweep.parquet")), *written]

@@ -375,8 +375,9 @@ class Ensemble(Sweep):
 
         return delivered(draw_fan(self, name, ax), path)
 
-    def _attributes(self) -> dict[str, str]:
-        return super()._attributes() | {"ensemble": self.design.record}
+    def attributes(self) -> dict[str, str]:
+        """Return what a file says beside its members."""
+        return super().attributes() | {"ensemble": self.design.record}
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Ensemble:

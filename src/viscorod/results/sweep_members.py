@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, MutableMapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, MutableMapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias, overload
+from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
 
 import numpy as np
 
@@ -18,7 +18,9 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     from viscorod.results.any_result import AnyResult
 
-__all__ = ["COMPLETED", "NOT_RUN", "Found", "FoundMembers", "Rows", "SweepMembers", "SweepRun"]
+    Stored: TypeAlias = AnyResult | Path | Callable[[], AnyResult] | None
+
+__all__ = ["COMPLETED", "NOT_RUN", "Found", "FoundMembers", "Rows", "Stack", "SweepMembers", "SweepRun"]
 
 COMPLETED = "completed"
 NOT_RUN = "not run"
@@ -28,6 +30,23 @@ Found: TypeAlias = tuple[Any, ...]
 NOTHING: Found = (None, "", NOT_RUN, {}, {})
 
 
+class Stack(Protocol):
+    """Whole results of all completed members in one place, see ``viscorod.results.files.sweep_store``."""
+
+    separate: str
+
+    def parts(self) -> tuple[dict[str, Any], dict[str, Any]]:
+        """Return variables and coordinates of all members."""
+
+
+def opened(stored: Stored) -> AnyResult | None:
+    """Return a whole result, read if it is not in memory; None if none is kept."""
+    if isinstance(stored, Path):
+        found: AnyResult = load(stored)  # a member is no sweep
+        return found
+    return stored() if callable(stored) else stored
+
+
 @dataclass(frozen=True)
 class SweepRun:
     """One run of a sweep.
@@ -35,7 +54,7 @@ class SweepRun:
     Attributes:
         number: place in the table of values, from 0.
         values: parameter -> value, as given.
-        stored: the result, the file that it is in, or None.
+        stored: the result, the file that it is in, a function that reads it, or None.
         message: why it failed, empty if it did not, and which quantities could not be computed.
         outcome: "completed", or what stopped it.
         quantities: the numbers that were asked for, by name; those that there are.
@@ -44,7 +63,7 @@ class SweepRun:
 
     number: int
     values: Mapping[str, Any]
-    stored: AnyResult | Path | None = None
+    stored: Stored = None
     message: str = ""
     outcome: str = COMPLETED
     quantities: Mapping[str, Number] = field(default_factory=dict)
@@ -53,10 +72,7 @@ class SweepRun:
     @cached_property
     def result(self) -> AnyResult | None:
         """The run, equilibrium or other result; where it failed, what there is up to there; None if none is kept."""
-        if isinstance(self.stored, Path):
-            found: AnyResult = load(self.stored)  # a member is no sweep
-            return found
-        return self.stored
+        return opened(self.stored)
 
     @property
     def completed(self) -> bool:
@@ -180,6 +196,10 @@ class FoundMembers(MutableMapping[int, Found]):
         """Figures in such columns; of results that are kept they are read from these."""
         return self._numbers[1]
 
+    def history(self, number: int, name: str) -> list[float] | None:
+        """Return a history of a member, if it has it."""
+        return self._histories.get(number, {}).get(name)
+
     @property
     def histories(self) -> tuple[str, ...]:
         """Names of the quantities that are histories."""
@@ -191,10 +211,12 @@ class SweepMembers(Sequence[SweepRun]):
 
     Attributes:
         rows: their values; found: what is known of them.
+        stack: whole results of all of them in one place, where they are.
     """
 
     def __init__(self, rows: Rows, found: FoundMembers) -> None:
         self.rows, self.found = rows, found
+        self.stack: Stack | None = None
         self._kept: dict[int, SweepRun] = {}
 
     @classmethod
@@ -225,6 +247,10 @@ class SweepMembers(Sequence[SweepRun]):
         if member.stored is not None:  # it reads its result once
             self._kept[k] = member
         return member
+
+    def result(self, number: int) -> AnyResult | None:
+        """Return the whole result of a member, which is not kept in memory beyond that."""
+        return opened(self.found.get(number, NOTHING)[0])
 
     def kept(self) -> bool:
         """Return whether any whole result is kept."""

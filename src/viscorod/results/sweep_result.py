@@ -2,23 +2,22 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, Self
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
-from pydantic import BaseModel, Field, ValidationError, model_validator
 
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
-from viscorod.results.data_schema import DIMENSION
-from viscorod.results.files.storage import read, result_of, write
+from viscorod.results.files.storage import write
 from viscorod.results.quantities import HISTORY_TIMES
+from viscorod.results.stacked_members import along_members, difference, stacked
 from viscorod.results.sweep_figures import FIGURES, shown
 from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun
+from viscorod.results.sweep_record import members_of, record_of
 from viscorod.results.text_table import page, table
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
@@ -31,13 +30,6 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-ALONG = DIMENSION | {
-    "response": "frequency",
-    "campbell": "speed",
-    "stability": "load_factor",
-    "periodic": "point",
-}
-"""Kind of a result -> dimension of its states."""
 KIND = "sweep"
 DRAWN = 200
 """Members in a small drawing."""
@@ -108,8 +100,10 @@ class Sweep(WellNamed, Shown):
         """The reason why ``data`` holds no fields: differences between completed members; empty if they are stacked."""
         if not self.members.kept():
             return ""
+        if self.members.stack is not None:
+            return self.members.stack.separate
         results = [member.result.data for member in self.completed if member.result is not None]
-        return next((text for other in results[1:] if (text := _difference(results[0], other))), "")
+        return next((text for other in results[1:] if (text := difference(results[0], other))), "")
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -159,7 +153,7 @@ class Sweep(WellNamed, Shown):
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {"member": numbers}
         for name, column in self.members.rows.columns.items():
-            coordinates[name] = ("member", _column([column[k] for k in numbers]))
+            coordinates[name] = ("member", along_members([column[k] for k in numbers]))
         for name, values in self._figures().items():
             if kept and not np.isnan(values[numbers]).any():
                 attributes = {"units": FIGURES[name].unit, "long_name": FIGURES[name].words}
@@ -174,13 +168,13 @@ class Sweep(WellNamed, Shown):
             if len(found) == len(kept):
                 variables[name] = (("member", "instant"), np.array(found, dtype=float), {"long_name": name})
                 coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
-        if (
-            kept
-            and self.members.kept()
-            and not self.separate
-            and all(member.result is not None for member in kept)
-        ):
-            fields, axes = _stacked([member.result.data for member in kept if member.result is not None])
+        if kept and self.members.kept() and not self.separate:
+            if self.members.stack is not None:
+                fields, axes = self.members.stack.parts()
+            elif all(member.result is not None for member in kept):
+                fields, axes = stacked([member.result.data for member in kept if member.result is not None])
+            else:
+                fields, axes = {}, {}
             variables = fields | variables
             coordinates |= axes
         return xr.Dataset(variables, coordinates, attrs={"kind": KIND, "title": self.title})
@@ -258,157 +252,43 @@ class Sweep(WellNamed, Shown):
 
     @checked
     def save(self, path: str | Path) -> Path:
-        """Write one netCDF4 file, for ``viscorod.load`` and any HDF5 tool; returns the path.
+        """Write one file, for ``viscorod.load`` and any tool of its kind; returns the path.
 
-        Its root is ``data``; results that are not in there (of members that failed or differ) are groups
-        ``member_0``, ``member_1``, ...
+        By default it is a netCDF4 file. Its root is ``data``; results that are not in there (of members that failed or
+        differ) are groups ``member_0``, ``member_1``, ... All of it passes through memory.
+
+        A path that ends in ``.parquet`` becomes the table, without whole results; one that ends in ``.zarr`` a store of
+        all whole results with the table in it, for large sweeps: it is written and read member by member. Both need
+        ``pip install 'viscorod[store]'``.
+
+        Raises:
+            InputError: the place cannot be written, or a package is missing.
         """
-        record = {
-            "notes": self.notes,
-            "members": [
-                {
-                    "number": member.number,
-                    "values": member.values,
-                    "message": member.message,
-                    "outcome": member.outcome,
-                    "attrs": None if member.result is None else member.result.data.attrs,
-                    "quantities": member.quantities,
-                    "measured": member.measured,
-                }
-                for member in self.members
-            ],
-        }
+        if Path(path).suffix == ".parquet":
+            from viscorod.results.files.sweep_table import write_table
+
+            return write_table(self, path)
+        if Path(path).suffix == ".zarr":
+            from viscorod.results.files.sweep_store import write_store
+
+            return write_store(self, path)
         groups = {
             f"member_{member.number}": member.result.data
             for member in self.members
             if member.result is not None and (self.separate or not member.completed)
         }
-        attrs = {"sweep": json.dumps(record, default=_plain), **self._attributes()}
+        attrs = {"sweep": record_of(self.members, self.notes), **self.attributes()}
         return write(self.data.assign_attrs(attrs), path, groups)
 
-    def _attributes(self) -> dict[str, str]:
+    def attributes(self) -> dict[str, str]:
         """Return what a file says beside its members."""
         return {}
 
     @classmethod
     def of(cls, data: xr.Dataset, path: Path) -> Sweep:
         """Return the sweep whose file is ``path`` and whose root is ``data``."""
-        try:
-            record = _Record.model_validate_json(data.attrs["sweep"])
-        except (KeyError, ValidationError) as error:
-            why = " ".join(str(error).split())[:200]
-            raise InputError(
-                f"{path} is damaged: the attribute sweep is no record of a sweep ({why}); "
-                "take another copy of the file, or compute it again"
-            ) from None
-        return cls(
-            [_member(row, data, path) for row in record.members],
-            str(data.attrs.get("title", "")),
-            record.notes,
-        )
-
-
-class _Row(BaseModel):
-    """A member in the record of a file."""
-
-    number: Annotated[int, Field(ge=0)]
-    values: dict[str, Any]
-    message: str
-    outcome: str
-    attrs: dict[str, Any] | None
-    quantities: dict[str, float | list[float]] = {}
-    measured: dict[str, float] = {}
-
-
-class _Record(BaseModel):
-    """What a file says of all members."""
-
-    notes: list[str]
-    members: list[_Row]
-
-    @model_validator(mode="after")
-    def _of_one_table(self) -> Self:
-        if [row.number for row in self.members] != list(range(len(self.members))):
-            raise ValueError("members are not numbered from 0")
-        if any(list(row.values) != list(self.members[0].values) for row in self.members):
-            raise ValueError("members have different parameters")
-        return self
-
-
-def _member(row: _Row, data: xr.Dataset, path: Path) -> SweepRun:
-    """Return a member of a file, whose fields are stacked with those of others or in a group of its own."""
-    result = None
-    if row.attrs is not None:
-        along = ALONG.get(str(row.attrs.get("kind")), "")
-        stacked = "member" in data.coords and along in data.dims and row.number in data["member"].values
-        own = [*FIGURES, *row.quantities, *row.values, "instant"]
-        fields = data.drop_vars(own, errors="ignore")
-        whole = _unstacked(fields, row.number) if stacked else read(path, group=f"member_{row.number}")
-        whole.attrs = row.attrs
-        result = result_of(whole, path)
-    parts = (row.message, row.outcome, row.quantities, row.measured)
-    return SweepRun(row.number, row.values, result, *parts)
-
-
-_LEVELS = {
-    "time": "stored times",
-    "load_factor": "load steps",
-    "spin": "angular speeds",
-    "speed": "angular speeds",
-    "point": "motions",
-    "frequency": "frequencies",
-}
-
-
-def _difference(one: xr.Dataset, other: xr.Dataset) -> str:
-    """Say what keeps two results from being stacked; empty if nothing does."""
-    if one.attrs["kind"] != other.attrs["kind"] or set(one.variables) != set(other.variables):
-        return "they hold different quantities"
-    along = ALONG[one.attrs["kind"]]
-    for name in one.dims:
-        if one.sizes[name] != other.sizes[name] and name != along:
-            return f"their numbers of {name}s differ ({one.sizes[name]} and {other.sizes[name]})"
-    for name in one.variables:
-        a, b = one[name].values, other[name].values
-        fixed = name in one.dims or a.dtype.kind not in "fi"
-        if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
-    return ""
-
-
-def _stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return variables and coordinates of results that differ in values only; what is equal in all is kept once."""
-    first = results[0]
-    along = ALONG[first.attrs["kind"]]
-    fields: dict[str, Any] = {}
-    axes: dict[str, Any] = {}
-    for name, variable in first.variables.items():
-        columns = [result[name].values for result in results]
-        states = along in variable.dims and name not in first.dims
-        if states or not all(np.array_equal(columns[0], column) for column in columns[1:]):
-            built = (("member", *variable.dims), np.stack(columns), dict(variable.attrs))
-        else:
-            built = (variable.dims, columns[0], dict(variable.attrs))
-        (axes if name in first.coords else fields)[str(name)] = built
-    return fields, axes
-
-
-def _unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
-    """Return the fields of one member, as its own result holds them."""
-    return data.sel(member=number, drop=True)
-
-
-def _column(values: Sequence[Any]) -> np.ndarray:
-    """Return values along ``member``: numbers or texts as they are, anything else as JSON."""
-    if all(isinstance(value, str) for value in values):
-        return np.array(values, dtype=str)
-    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
-        return np.array(values)
-    return np.array([json.dumps(value, default=_plain) for value in values], dtype=str)
-
-
-def _plain(value: Any) -> Any:
-    return value.tolist() if hasattr(value, "tolist") else str(value)
+        members, notes = members_of(data, path)
+        return cls(members, str(data.attrs.get("title", "")), notes)
 
 
 def _text(value: Any) -> str:

@@ -230,8 +230,8 @@ def load(path: str | Path, expected: type[R] | None = None) -> Any:
     It answers everything that a fresh one does.
 
     Args:
-        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, or the folder of a run or of a
-            sweep. While that has not ended, the folder gives the states or members so far.
+        path: a file written by ``save``, by ``viscorod run`` or by ``viscorod sweep``, the folder of a run or of a
+            sweep, or the zarr store of one. While that has not ended, the folder gives the states or members so far.
         expected: class of the result, such as ``viscorod.Run``; anything else is refused, and type checkers know it.
 
     Raises:
@@ -251,6 +251,14 @@ def _opened(path: str | Path) -> AnyResult | Sweep:
         from viscorod.results.files.sweep_folder import SweepFolder
 
         return SweepFolder(Path(path)).load()
+    if Path(path).suffix == ".parquet":
+        from viscorod.results.files.sweep_table import read_table
+
+        return read_table(path)
+    if (Path(path) / "sweep.parquet").is_file():
+        from viscorod.results.files.sweep_store import read_store
+
+        return read_store(path)
     if Path(path).is_dir():
         from viscorod.results.files.stopped_run import result_file, stopped_run
         from viscorod.results.run import Run

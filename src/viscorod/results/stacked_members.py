@@ -1,0 +1,84 @@
+"""Results of several members as one data set with a dimension ``member``, where they differ in numbers only."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from viscorod.results.data_schema import DIMENSION
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["ALONG", "along_members", "difference", "plain", "stacked", "unstacked"]
+
+ALONG = DIMENSION | {
+    "response": "frequency",
+    "campbell": "speed",
+    "stability": "load_factor",
+    "periodic": "point",
+}
+"""Kind of a result -> dimension of its states."""
+_LEVELS = {
+    "time": "stored times",
+    "load_factor": "load steps",
+    "spin": "angular speeds",
+    "speed": "angular speeds",
+    "point": "motions",
+    "frequency": "frequencies",
+}
+
+
+def difference(one: xr.Dataset, other: xr.Dataset) -> str:
+    """Say what keeps two results from being stacked; empty if nothing does."""
+    if one.attrs["kind"] != other.attrs["kind"] or set(one.variables) != set(other.variables):
+        return "they hold different quantities"
+    along = ALONG[one.attrs["kind"]]
+    for name in one.dims:
+        if one.sizes[name] != other.sizes[name] and name != along:
+            return f"their numbers of {name}s differ ({one.sizes[name]} and {other.sizes[name]})"
+    for name in one.variables:
+        a, b = one[name].values, other[name].values
+        fixed = name in one.dims or a.dtype.kind not in "fi"
+        if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
+            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
+    return ""
+
+
+def stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return variables and coordinates of results that differ in values only; what is equal in all is kept once."""
+    first = results[0]
+    along = ALONG[first.attrs["kind"]]
+    fields: dict[str, Any] = {}
+    axes: dict[str, Any] = {}
+    for name, variable in first.variables.items():
+        columns = [result[name].values for result in results]
+        states = along in variable.dims and name not in first.dims
+        if states or not all(np.array_equal(columns[0], column) for column in columns[1:]):
+            built = (("member", *variable.dims), np.stack(columns), dict(variable.attrs))
+        else:
+            built = (variable.dims, columns[0], dict(variable.attrs))
+        (axes if name in first.coords else fields)[str(name)] = built
+    return fields, axes
+
+
+def unstacked(data: xr.Dataset, number: int) -> xr.Dataset:
+    """Return the fields of one member, as its own result holds them."""
+    return data.sel(member=number, drop=True)
+
+
+def along_members(values: Sequence[Any]) -> np.ndarray:
+    """Return values along ``member``: numbers or texts as they are, anything else as JSON."""
+    if all(isinstance(value, str) for value in values):
+        return np.array(values, dtype=str)
+    if all(isinstance(value, int | float) and not isinstance(value, bool) for value in values):
+        return np.array(values)
+    return np.array([json.dumps(value, default=plain) for value in values], dtype=str)
+
+
+def plain(value: Any) -> Any:
+    """Return what JSON can hold: numbers of NumPy as those of Python, anything else that it cannot as text."""
+    return value.tolist() if hasattr(value, "tolist") else str(value)
