@@ -45,6 +45,8 @@ def _as_stations(value: Any) -> list[Any] | None:
     """Turn pairs (at, section), and triples with the twist, into tables."""
     if value is None:
         return None
+    if isinstance(value, str):
+        raise RefusedError("a text, where a list is needed", f"give a file by name: file={value!r}")
     items = sequence(value)
     if len(items) < 2:
         raise RefusedError("at least two stations are needed", "give the section at the start and at the end")
