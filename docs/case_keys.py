@@ -41,9 +41,9 @@ FILE = {
 ROD = {
     "section": (SECTION, "one of these three", "the section of the whole rod"),
     "sections": (
-        "list of pieces",
+        "list of pieces, or table of stations",
         "one of these three",
-        "sections one after the other, see Sections",
+        "sections one after the other, or at stations, see Sections",
     ),
     "taper": (
         "table",

@@ -76,14 +76,15 @@ from .model.sections.cubic_bending import CubicBending as CubicBending
 from .model.sections.isotropic_section import SectionProperties as SectionProperties
 from .model.sections.outline import PolygonSection as PolygonSection
 from .model.sections.section_profile import Piecewise as Piecewise
-from .model.sections.section_profile import Taper as Taper
 from .model.sections.section_shapes import Annulus as Annulus
 from .model.sections.section_shapes import Circle as Circle
 from .model.sections.section_shapes import Ellipse as Ellipse
 from .model.sections.section_shapes import Rectangle as Rectangle
 from .model.sections.section_shapes import SquareTube as SquareTube
+from .model.sections.section_stations import Stations as Stations
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
+from .model.sections.taper import Taper as Taper
 from .pictures.viewer import view as view
 from .records.free_decay import decay as decay
 from .records.master_curve import master_curve as master_curve

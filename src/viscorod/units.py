@@ -17,7 +17,16 @@ from viscorod.wording import RefusedError, nearest, show
 if TYPE_CHECKING:
     from pint import UnitRegistry
 
-__all__ = ["Conversion", "is_quantity", "looks_like_quantity", "si_of", "si_quantity", "si_value"]
+__all__ = [
+    "Conversion",
+    "Measured",
+    "is_quantity",
+    "looks_like_quantity",
+    "si_of",
+    "si_quantity",
+    "si_value",
+    "waiting",
+]
 
 Dimension: TypeAlias = tuple[tuple[str, Fraction], ...]
 
@@ -28,6 +37,12 @@ _LONGEST_UNIT = 60
 _TOKEN = re.compile(
     r"\s*(?:([^\W\d]+[²³]?|°|%)(?:\s*(?:\^|\*\*)\s*(-?\d)(?!\d|\s*[\^*.])|(\d)(?!\d))?|([*/()·])|(1)(?=\s*/))"
 )
+
+_TOGETHER = re.compile(r"([kMGmunµμ]?N|kg)(?=(?:mm|cm|m|s|ms)(?![^\W\d²³]))")
+"""Units of force and mass written in one piece with what they are multiplied by, as engineers do; Pint reads Nm as the
+count of a yarn."""
+_JOINED = re.compile(r"(?<=[^\W\d])[-.](?=[^\W\d])")
+"""A hyphen or a point between two names, for a product: N-m, kN.m."""
 
 NAMES = {
     "m": "length",
@@ -175,6 +190,51 @@ def si_of(unit: str) -> float:
     return float(_factor(unit)[0])
 
 
+class Measured(float):
+    """A number in SI that was given with a unit where it is not known yet what it measures.
+
+    Attributes:
+        given: the text, such as "5 mm".
+    """
+
+    given: str
+
+    def __new__(cls, value: float, given: str) -> Measured:
+        """Make one."""
+        found = super().__new__(cls, value)
+        found.given = given
+        return found
+
+    def __reduce__(self) -> tuple[type[float], tuple[float]]:
+        return float, (float(self),)
+
+
+def waiting(value: Any) -> Any:
+    """Return a quantity, as text or as Pint and Astropy have them, as a number that waits for what it measures.
+
+    Raises:
+        RefusedError: it has no unit, or one that is not known here.
+    """
+    if not isinstance(value, str):
+        if hasattr(value, "to_value"):
+            plain, unit = value.value, value.unit.to_string() or "1"
+        else:
+            plain, unit = value.magnitude, format(value.units, "D")
+        plain = plain.tolist() if hasattr(plain, "tolist") else plain
+        if unit in ("", "1", "dimensionless"):
+            return plain
+        if isinstance(plain, list | tuple):
+            return [waiting(f"{float(item)!r} {unit}") for item in plain]
+        return waiting(f"{float(plain)!r} {unit}")
+    match = _QUANTITY.fullmatch(value)
+    if match is None or match[2] is None:
+        raise RefusedError("no number with a unit", "give a plain number, in SI, or one with its unit")
+    try:
+        return Measured(float(Fraction(match[1]) * _factor(match[2])[0]), value)
+    except OverflowError:
+        raise RefusedError("larger than any quantity", "give a smaller number") from None
+
+
 TURN = 6.283185307179586
 """A full turn, rad."""
 
@@ -232,7 +292,7 @@ def _plain(unit: str) -> str:
     """Write a unit in the words of Pint, if it is one of names, powers, products and quotients."""
     words: list[str] = []
     at = 0
-    unit = re.sub(r"°\s*([CF])\b", r"deg\1", unit)
+    unit = _JOINED.sub(" ", re.sub(r"°\s*([CF])\b", r"deg\1", unit))
     if len(unit) > _LONGEST_UNIT:
         raise RefusedError("longer than any unit", "write units as in 10 mm, 2 N/m^2")
     divided = False
@@ -256,7 +316,10 @@ def _plain(unit: str) -> str:
             divided = False
         if name:
             name = {"°": "degree", "%": "percent"}.get(name, name)
-            words.append(f"{name}**{power or digit}" if power or digit else name)
+            whole = f"{name}**{power or digit}" if power or digit else name
+            if together := _TOGETHER.match(whole):
+                whole = f"({together[1]}*{whole[together.end(1) :]})"
+            words.append(whole)
         else:
             words.append("1" if one else "*" if mark == "·" else mark)
         at = match.end()

@@ -127,6 +127,12 @@ def test_a_case_with_units_is_the_case_without():
         ("36 km/h", "m/s", 10.0),
         ("5 N/(m s)", "N/m/s", 5.0),
         ("-3e-3 kN", "N", -3.0),
+        ("3 Nmm", "N m", 3e-3),
+        ("2 kNm2", "N m^2", 2000.0),
+        ("2 Nm²", "N m^2", 2.0),
+        ("4 N-m", "N m", 4.0),
+        ("4 kg.m", "kg m", 4.0),
+        ("6 N/Nmm", "1/m", 6e3),
     ],
 )
 def test_values(text, unit, value):
@@ -165,7 +171,7 @@ def test_refusals(text, unit, message):
 
 
 def test_all_that_is_wrong_is_told_once_with_its_key():
-    wrong = WITH_UNITS.replace('"1 MPa"', '"10 mm"').replace('"3 N mm"', '"3 Nmm"').replace("0.3", '"30 %"')
+    wrong = WITH_UNITS.replace('"1 MPa"', '"10 mm"').replace('"3 N mm"', '"3 Nmx"').replace("0.3", '"30 %"')
     with pytest.raises(InputError) as caught:
         parse_case(wrong)
     problems = {problem.where: problem for problem in caught.value.problems}

@@ -1,5 +1,7 @@
 """Quantities with units in Python: texts as in files, and the objects of a library of units."""
 
+import copy
+import pickle
 from types import SimpleNamespace
 
 import numpy as np
@@ -47,6 +49,21 @@ def test_quantities_of_pint():
     )
 
 
+def test_functions_of_time_have_the_units_of_what_they_describe():
+    """What they describe is known where they are given: there the unit is checked, and rpm become rad/s."""
+    shake = {"ux": vr.Sine("5 Hz", "2 mm", offset=1 * UNIT.um), "rz": vr.Ramp(0, "1 ms", "180 deg")}
+    plain = {"ux": vr.Sine(5.0, 2e-3, offset=1e-6), "rz": vr.Ramp(0, 1e-3, np.pi)}
+    assert vr.Support("a.end", motion=shake) == vr.Support("a.end", motion=plain)
+    table = vr.TimeTable([0, 1] * UNIT.ms, ["0 mm", "5 mm"])
+    assert table.value(0.5e-3) == pytest.approx(2.5e-3, rel=1e-15)
+    assert vr.Clamp("a.end", motion={"uy": table}) == vr.Clamp(
+        "a.end", motion={"uy": vr.TimeTable([0, 1e-3], [0, 5e-3])}
+    )
+    turn = vr.VelocitySupport("a.start", velocity={"w1": vr.Ramp(0, 1, "60 rpm")})
+    assert turn.velocity["w1"].value(1.0) == pytest.approx(2.0 * np.pi, rel=1e-15)
+    assert copy.deepcopy(shake["ux"]) == shake["ux"] == pickle.loads(pickle.dumps(shake["ux"]))
+
+
 class OfAstropy:
     """A quantity as Astropy's objects are: a value, a unit with its text, ``to_value``."""
 
@@ -74,7 +91,24 @@ def test_quantities_of_astropy():
             r"Force.value\[1\]: '1 m': this is a length, value needs a force",
         ),
         (lambda: vr.Material(1e9, 0.3 * UNIT.m, 1e3), r"Material.poissons_ratio: .*has no unit"),
-        (lambda: vr.Sine(1.0, "1 um"), r"Sine.amplitude: '1 um': .*what the function of time describes"),
+        (lambda: vr.Sine(1.0, "1 umm"), r"Sine.amplitude: .*no unit 'umm'; did you mean um\?"),
+        (lambda: vr.Sine(1.0, "1"), r"Sine.amplitude: '1': no number with a unit"),
+        (
+            lambda: vr.Clamp("a.end", motion={"rz": vr.Ramp(0, 1, "5 mm")}),
+            r"Clamp.motion.rz: '5 mm': this is a length, level needs an angle",
+        ),
+        (
+            lambda: vr.Clamp("a.end", motion={"ux": vr.TimeTable([0, 1], [0, 5] * UNIT.N)}),
+            r"Clamp.motion.ux: .*this is a force, values needs a length",
+        ),
+        (
+            lambda: vr.Force("a.end", [0, 0, 1], time=vr.Ramp(0, 1, "5 N")),
+            r"Force.time: '5 N': level has no unit",
+        ),
+        (
+            lambda: vr.Clamp("a.end", motion={"ux": {"kind": "sine", "frequency": 1, "amplitude": "5 mm"}}),
+            r"what the function of time describes, which is not known here; give an object",
+        ),
         (
             lambda: vr.StiffnessSection(np.ones(6) * UNIT.N),
             r"its numbers have different units, N or N m\^2 or N m; give them one by one",

@@ -384,7 +384,7 @@ def _shape(rod: Rod) -> _Shape | None:
         return None
     s = np.linspace(0.0, rod.length, 201)
     curvature = float(np.linalg.norm(rod.centreline.curvature(s), axis=1).max())
-    twist = float(np.abs(np.gradient(rod.centreline.twisted(s, rod.twist), s)).max())
+    twist = float(np.abs(np.gradient(rod.centreline.twisted(s, rod.turn), s)).max())
     return _Shape(half * curvature, half * twist, half / rod.length)
 
 

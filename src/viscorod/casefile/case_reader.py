@@ -35,7 +35,10 @@ from viscorod.model.fields.values import choose, name_of_part
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.section_base import AnySection
-from viscorod.model.sections.section_profile import Piecewise, Taper, one_section
+from viscorod.model.sections.section_kinds import one_section
+from viscorod.model.sections.section_profile import Piecewise
+from viscorod.model.sections.section_stations import Stations
+from viscorod.model.sections.taper import Taper
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
@@ -249,7 +252,7 @@ class CaseReader:
                     "a rod has one description of its section"
                     if given
                     else "this key is required and missing",
-                    "give one of section, sections (pieces with until) and taper (start and end)",
+                    "give one of section, sections (pieces with until, or stations) and taper (start and end)",
                 )
             return FaultyValue(None, reported=True)
         value = table[given[0]]
@@ -259,12 +262,14 @@ class CaseReader:
             return self._named(
                 f"{path}.taper", Taper.model_validate, self._sections_inside(value, ("start", "end"))
             )
+        if isinstance(value, Mapping):
+            return self._named(f"{path}.sections", Stations.model_validate, self._stations_inside(value))
         if not isinstance(value, list):
             self._wrong(
                 f"{path}.sections",
                 show(value),
-                "a list of pieces is needed here",
-                "give [{until = .., section = ..}]",
+                "a list of pieces, or a table of stations, is needed here",
+                'give [{until = .., section = ..}], or { file = "blade.csv" }',
             )
             return FaultyValue(None, reported=True)
         pieces = [self._sections_inside(item, ("section",)) for item in value]
@@ -276,6 +281,12 @@ class CaseReader:
             for p in self.problems
         ]
         return parsed
+
+    def _stations_inside(self, table: Mapping[str, Any]) -> Mapping[str, Any]:
+        stations = table.get("stations")
+        if not isinstance(stations, list):
+            return table
+        return {**table, "stations": [self._sections_inside(item, ("section",)) for item in stations]}
 
     def _section_named(self, value: Any) -> Any:
         return self._materials_inside(self._lookup(value, self._sections, "section"))
@@ -369,6 +380,11 @@ def _as_material(value: Any) -> Material:
 def _in_file_words(problem: Fault, path: str) -> Fault:
     """Put the paths of the finished rod, with its pieces and centre line, in those of the file."""
     where = problem.where
-    for inside, outside in ((".section.pieces", ".sections"), (".centreline", "")):
+    for inside, outside in (
+        (".section.pieces", ".sections"),
+        (".section.stations", ".sections.stations"),
+        (".section.file", ".sections.file"),
+        (".centreline", ""),
+    ):
         where = where.replace(path + inside, path + outside)
     return Fault(where, problem.found, problem.why, problem.instead)

@@ -29,9 +29,12 @@ from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.materials.temperature_shift import SHIFTS
 from viscorod.model.rod import CENTRELINES, Rod
 from viscorod.model.sections.composite import CompositeRegion
+from viscorod.model.sections.section_kinds import SECTIONS
 from viscorod.model.sections.section_laws import SECTION_LAWS
-from viscorod.model.sections.section_profile import SECTIONS, Piece, Taper
+from viscorod.model.sections.section_profile import Piece
+from viscorod.model.sections.section_stations import Station, Stations
 from viscorod.model.sections.stiffness_section import MaxwellBranch
+from viscorod.model.sections.taper import Taper
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.settings.stages import Stage
 from viscorod.solve.start import Start
@@ -63,6 +66,8 @@ SINGLE: dict[str, type[Definition]] = {
     "damping.other": ModulusTable,
     "sections.piece": Piece,
     "sections.taper": Taper,
+    "sections.stations": Stations,
+    "sections.station": Station,
     "sections.region": CompositeRegion,
     "sections.branch": MaxwellBranch,
     "attachments": Attachment,
@@ -221,7 +226,10 @@ def _rod(kind: type[Definition]) -> Form:
     section = {"anyOf": [NAME, of_kind("section")]}
     special: Form = {
         "section": section | {"description": "the section of the whole rod"},
-        "sections": listed(of_kind("sections.piece"), 1) | {"description": "sections one after the other"},
+        "sections": {
+            "anyOf": [listed(of_kind("sections.piece"), 1), of_kind("sections.stations")],
+            "description": "sections one after the other, or at stations",
+        },
         "taper": {
             "allOf": [of_kind("sections.taper")],
             "description": "section that changes along the rod",

@@ -31,7 +31,9 @@ from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
 from viscorod.model.sections.section_kinks import kinks
 from viscorod.model.sections.section_laws import section_law
-from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
+from viscorod.model.sections.section_profile import Piecewise, SectionProfile, section_profile
+from viscorod.model.sections.section_stations import Stations
+from viscorod.model.sections.taper import Taper
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
 from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats
@@ -56,6 +58,8 @@ third of a circle then, follows it to 4e-7 of its length."""
 NODES_PER_ROD = 10
 DRAWN = 120
 """Points of a small drawing."""
+END = 1e-9
+"""How far from the end of a rod, as a part of its length, what is there counts as the end."""
 FEW_SAMPLES = 32
 """Intervals in which kinks of sections are sought that need a mesh of their own at every station."""
 
@@ -94,7 +98,7 @@ class Rod(AlongCurves, Definition):
     centreline: Annotated[Centreline, choose("shape", CENTRELINES)] = Key(
         "the curve of the section's centres"
     )
-    section: Annotated[SectionProfile, section_profile] = Key("a section, `Piecewise` or `Taper`")
+    section: Annotated[SectionProfile, section_profile] = Key("a section, `Piecewise`, `Taper` or `Stations`")
     material: Annotated[Material | None, _material] = Key(
         "for sections given by their shape; stiffness and composite sections take none", default=None
     )
@@ -213,27 +217,37 @@ class Rod(AlongCurves, Definition):
     @property
     def section_breaks(self) -> tuple[float, ...]:
         """Interior stations where the section jumps, m."""
+        if isinstance(self.section, Stations):
+            return self.section.breaks
         if not isinstance(self.section, Piecewise):
             return ()
         return tuple(piece.until for piece in self.section.pieces[:-1])
 
     @cached_property
     def kinks(self) -> tuple[float, ...]:
-        """Interior stations where a function of the section or the twist has a kink or jumps, m.
+        """Interior stations where the section or the twist has a kink, or a function of these jumps, m.
 
         A function that knows them says so by an attribute `stations` (m); others are sampled.
         """
         found: list[float] = []
-        if callable(self.section):
+        if isinstance(self.section, Stations):
+            found += [station.at for station in self.section.given]
+        elif callable(self.section):
             known = getattr(self.section, "stations", None)
             costly = not self.section_at(0.0).can_taper
             samples = FEW_SAMPLES if costly else MANY_SAMPLES
             found += kinks(self._section_values, self.length, samples) if known is None else list(known)
-        if callable(self.twist):
-            known = getattr(self.twist, "stations", None)
-            twist = self.twist
+        twist = self.turn
+        if callable(twist):
+            known = getattr(twist, "stations", None)
             found += kinks(lambda s: np.array([twist(s)]), self.length) if known is None else list(known)
-        return tuple(s for s in sorted(found) if 0.0 < s < self.length)
+        inner = {s for s in found if 0.0 < s < self.length * (1.0 - END)} - {*self.section_breaks}
+        return tuple(sorted(inner))
+
+    @property
+    def turn(self) -> Twist:
+        """The twist, of the rod or of the stations of its section."""
+        return (isinstance(self.section, Stations) and self.section.twist) or self.twist
 
     def _section_values(self, s: float) -> Floats:
         """Return stiffness and inertia of the section at the arc length `s` as one array (72,)."""
@@ -246,7 +260,7 @@ class Rod(AlongCurves, Definition):
 
     def section_at(self, s: float) -> AnySection:
         """Return the section at the arc length `s`; where it jumps, the one that starts there."""
-        if isinstance(self.section, Piecewise):
+        if isinstance(self.section, Piecewise | Stations):
             return self.section.at(s)
         if isinstance(self.section, Taper):
             return self.section.at(min(max(s / self.length, 0.0), 1.0))
@@ -338,7 +352,7 @@ class Rod(AlongCurves, Definition):
 
     def frames(self, s: Floats | Sequence[float]) -> tuple[Floats, Floats]:
         """Return positions (n, 3) and frames (n, 3, 3; columns d1, d2, d3) of the reference shape, global axes."""
-        position, frames = self.centreline.frames(s, self.d1, self.twist)
+        position, frames = self.centreline.frames(s, self.d1, self.turn)
         if self.tilted:
             frames = frames @ tilts(self.tilt, np.atleast_1d(np.asarray(s, dtype=float)))
         return position, frames
@@ -378,6 +392,8 @@ class Rod(AlongCurves, Definition):
             return [(piece.until - 1e-9 * self.length, piece.section) for piece in self.section.pieces]
         if isinstance(self.section, AnySection):
             return [(0.0, self.section)]
+        if isinstance(self.section, Stations):
+            return [(station.at, station.section) for station in self.section.given]
         return [(s, self.section_at(s)) for s in np.linspace(0.0, self.length, 5).tolist()]
 
     @model_validator(mode="after")
@@ -392,6 +408,8 @@ class Rod(AlongCurves, Definition):
         section = plain.pop("section")
         if isinstance(self.section, Piecewise):
             plain["sections"] = section["pieces"]
+        elif isinstance(self.section, Stations):
+            plain["sections"] = section
         elif isinstance(self.section, Taper):
             plain["taper"] = section
         else:

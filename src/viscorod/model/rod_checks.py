@@ -12,12 +12,16 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.cable import with_direction
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise
+from viscorod.model.sections.section_stations import Stations
 from viscorod.wording import RefusedError, show
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
 
 __all__ = ["require_consistent"]
+
+ROUNDED = 1e-3
+"""How far the last station may be from the end of its rod, as a part of the length: tables are rounded."""
 
 
 def require_consistent(rod: Rod) -> None:
@@ -29,6 +33,8 @@ def require_consistent(rod: Rod) -> None:
     _finite(rod)
     if isinstance(rod.section, Piecewise):
         _pieces_cover_length(rod, rod.section)
+    if isinstance(rod.section, Stations):
+        _stations_cover_length(rod, rod.section)
     sections = rod.typical_sections()
     reasons = [section.no_material for _, section in sections]
     if rod.material is not None and None not in reasons:
@@ -97,6 +103,26 @@ def _pieces_cover_length(rod: Rod, section: Piecewise) -> None:
             f"give until = {rod.length:.12g} in the last piece",
             found=show(last),
             at=("section", "pieces", len(section.pieces) - 1, "until"),
+        )
+
+
+def _stations_cover_length(rod: Rod, section: Stations) -> None:
+    last = section.given[-1].at
+    if abs(last - rod.length) > ROUNDED * rod.length:
+        raise RefusedError(
+            f"the last station must be the end of the rod, {rod.length:.12g} m",
+            f"let the stations end at {rod.length:.12g} m, or give the rod a length of {last:.12g} m",
+            found=f"{last:.12g} m",
+            at=("section", "stations", len(section.given) - 1, "at")
+            if section.file is None
+            else ("section", "file"),
+        )
+    if section.twist is not None and rod.twist != 0.0:
+        raise RefusedError(
+            "the twist is given twice, by the stations and for the rod",
+            "give it once",
+            found="a function" if callable(rod.twist) else show(rod.twist),
+            at=("twist",),
         )
 
 

@@ -31,7 +31,7 @@ def turning_along(rod: Rod) -> tuple[Floats, Floats]:
         trace = np.einsum("nij,nij->n", frames[:-1], frames[1:])
         seen = np.arccos(np.clip(0.5 * (trace - 1.0), -1.0, 1.0))
         bent = np.linalg.norm(rod.centreline.curvature(0.5 * (s[:-1] + s[1:])), axis=1) * np.diff(s)
-        step = np.maximum(seen, np.hypot(bent, np.diff(rod.centreline.twisted(s, rod.twist))))
+        step = np.maximum(seen, np.hypot(bent, np.diff(rod.centreline.twisted(s, rod.turn))))
         if step.max() < FINE or count >= MOST_SAMPLES:
             return s, np.concatenate([[0.0], np.cumsum(step)])
         count *= 8

@@ -19,7 +19,7 @@ from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.typing import Floats
 
-__all__ = ["LENGTHS", "TIME_UNITS", "VALUE_UNITS", "read_points", "read_record"]
+__all__ = ["LENGTHS", "TIME_UNITS", "VALUE_UNITS", "Columns", "read_columns", "read_points", "read_record"]
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "us": 1e-6, "µs": 1e-6, "min": 60.0, "h": 3600.0}
 """Seconds of the unit."""
@@ -46,10 +46,11 @@ _UNIT = re.compile(r"^(.*?)\s*(?:\[(.*)\]|\((.*)\)|/\s*(\S+))\s*$")
 
 @dataclass(frozen=True)
 class _Lines:
-    """The lines of a file, cut into cells: of the head, and the numbers with the line in which they begin."""
+    """The lines of a file, cut into cells: of the head, and the numbers with the lines where they stand, from 1."""
 
     head: list[list[str]]
     numbers: Floats
+    at: list[int]
 
 
 def read_record(
@@ -122,6 +123,32 @@ def read_points(path: str, columns: Sequence[str | int], unit: str | None) -> tu
     return tuple(map(tuple, np.stack(found, axis=-1).tolist()))
 
 
+@dataclass(frozen=True)
+class Columns:
+    """The columns of a file.
+
+    Attributes:
+        names, units: of the columns, as the head says them; empty, and None, where it does not.
+        numbers: by row and column; lines: where the rows stand in the file, from 1.
+    """
+
+    names: list[str]
+    units: list[str | None]
+    numbers: Floats
+    lines: list[int]
+
+
+def read_columns(path: str) -> Columns:
+    """Return all columns of a file.
+
+    Raises:
+        RefusedError: it cannot be read.
+    """
+    lines = _cut(_text(Path(path)))
+    _, names, units = _names(lines)
+    return Columns(names, units, lines.numbers, lines.at)
+
+
 def _text(path: Path) -> str:
     """Return the text of a file: UTF-8 with or without a byte order mark, or Latin-1."""
     try:
@@ -161,11 +188,13 @@ def _cut(text: str) -> _Lines:
             at=("file",),
         )
     head, body = [_cells(line, separator) for _, line in lines[:first]], lines[first:]
+    at = [n for n, _ in body]
     plain = [line if separator == "," else line.replace(",", ".") for _, line in body]
     try:
-        return _Lines(head, np.loadtxt(plain, delimiter=None if separator == " " else separator, ndmin=2))
+        delimiter = None if separator == " " else separator
+        return _Lines(head, np.loadtxt(plain, delimiter=delimiter, ndmin=2), at)
     except ValueError:  # line by line: quotes, marks at the ends of lines, and what is wrong by its number
-        return _Lines(head, _rows(body, separator))
+        return _Lines(head, _rows(body, separator), at)
 
 
 def _rows(lines: list[tuple[int, str]], separator: str) -> Floats:
@@ -174,8 +203,10 @@ def _rows(lines: list[tuple[int, str]], separator: str) -> Floats:
     for row, (n, line) in zip(rows, lines, strict=True):
         cells = _cells(line, separator)
         if len(cells) != width or not _numeric(cells):
+            wrong = next((k for k, cell in enumerate(cells, 1) if not _numeric(["0", cell])), None)
+            why = f"{len(cells)} cells" if len(cells) != width else f"no number in column {wrong}"
             raise RefusedError(
-                f"line {n} is not like the line of {width} numbers that the table begins with",
+                f"line {n} is not like the line of {width} numbers that the table begins with: {why}",
                 "remove it, or complete it",
                 found=show(line[:60]),
                 at=("file",),
@@ -199,13 +230,20 @@ def _value(cell: str) -> float:
     return float(cell.replace(",", ".").replace("d", "e").replace("D", "e"))
 
 
-def _column(lines: _Lines, column: str | int, key: str) -> tuple[int, str | None]:
-    """Return the index of a column and the unit that the head gives it, if any."""
+def _names(lines: _Lines) -> tuple[list[str], list[str], list[str | None]]:
+    """Return the cells of the head over the columns, their names, and their units, where they say one."""
     width = lines.numbers.shape[1]
     head = next((cells for cells in reversed(lines.head) if len(cells) == width), [""] * width)
     named = [_UNIT.match(cell) for cell in head]
     names = [(found[1] if found else cell).strip() for cell, found in zip(head, named, strict=True)]
     units = [next((u.strip() for u in found.groups()[1:] if u), None) if found else None for found in named]
+    return head, names, units
+
+
+def _column(lines: _Lines, column: str | int, key: str) -> tuple[int, str | None]:
+    """Return the index of a column and the unit that the head gives it, if any."""
+    width = lines.numbers.shape[1]
+    head, names, units = _names(lines)
     if isinstance(column, int):
         if not 1 <= column <= width:
             raise RefusedError(

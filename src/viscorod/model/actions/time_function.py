@@ -24,6 +24,8 @@ class TimeFunction(Definition):
     """A scalar function of the time in seconds."""
 
     tag: ClassVar[str | None] = "kind"
+    of_anything: ClassVar[bool] = True
+    """Whether its numbers may wait for what they measure, see `viscorod.units.Measured`."""
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

@@ -18,6 +18,7 @@ from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRam
 from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
 from viscorod.model.fields.forms import TEXT, listed, of_kind, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.quantities import waits
 from viscorod.model.fields.values import OptionalText, choose, function, number, numbers, one_of, word
 from viscorod.typing import Floats
 
@@ -389,6 +390,11 @@ def time_function(value: Any) -> TimeFunction:
         return Constant(number(value))
     if isinstance(value, Mapping):
         parsed = _from_table(value)
+        if waits(parsed):
+            raise RefusedError(
+                "the unit in this table is that of what the function of time describes, which is not known here",
+                "give an object, such as vr.Ramp, or plain numbers in SI",
+            )
         assert isinstance(parsed, TimeFunction)
         return parsed
     if callable(value) and not isinstance(value, Definition | type):

@@ -24,6 +24,7 @@ from viscorod.model.fields.metadata import Key, accepted, expected, meaning, uni
 from viscorod.model.fields.quantities import in_si
 from viscorod.model.fields.signature import parameters, signature
 from viscorod.shown import Shown
+from viscorod.units import looks_like_quantity
 from viscorod.wording import RefusedError, did_you_mean, nearest, path_text, show, some_of
 
 __all__ = [
@@ -223,7 +224,8 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
                 marked[str(key)] = _unknown(cls, str(key), data)
         for name, field in cls.model_fields.items():
             if field.is_required() and name not in data:
-                what = f"add {name} ({expected(field)})"
+                words = expected(field)
+                what = f"add {name} ({words})" if words else f"add {name}"
                 marked[name] = FaultyValue(None, "this key is required and missing", what)
         return marked
 
@@ -386,6 +388,10 @@ def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) 
             Fault(cls.__name__, f"{len(args)} positional arguments", f"at most {len(names)} are understood",
                     f"give them in the order {', '.join(names) or '(none)'} or by name")
         )  # fmt: skip
+    if isinstance(args[0], str) and "file" in cls.model_fields and not looks_like_quantity(args[0]):
+        raise InputError(
+            Fault(f"{cls.__name__}.{names[0]}", show(args[0]), "a text by position", f"give a file by name: file={args[0]!r}")
+        )
     named = dict(zip(names, args, strict=False))
     twice = sorted(named.keys() & kwargs.keys())
     if twice:

@@ -10,7 +10,15 @@ from viscorod.errors import Fault
 from viscorod.model.fields.faulty_value import FaultyValue
 from viscorod.model.fields.forms import in_units
 from viscorod.model.fields.metadata import accepted, units_of
-from viscorod.units import Conversion, is_quantity, looks_like_quantity, si_quantity, si_value
+from viscorod.units import (
+    Conversion,
+    Measured,
+    is_quantity,
+    looks_like_quantity,
+    si_quantity,
+    si_value,
+    waiting,
+)
 from viscorod.wording import RefusedError, path_text, show
 
 __all__ = ["SIWalk", "has_quantity", "in_si"]
@@ -44,7 +52,18 @@ def has_quantity(value: Any) -> bool:
         return any(map(has_quantity, value.values()))
     if isinstance(value, list | tuple):
         return any(map(has_quantity, value))
-    return is_quantity(value)
+    return waits(value) or is_quantity(value)
+
+
+def waits(value: Any) -> bool:
+    """Say whether a value is a function of time with numbers that wait for what they measure."""
+    if not getattr(type(value), "of_anything", False):
+        return False
+    return any(
+        isinstance(item, Measured)
+        for part in value.__dict__.values()
+        for item in (part if isinstance(part, tuple) else (part,))
+    )
 
 
 class SIWalk:
@@ -64,6 +83,8 @@ class SIWalk:
         """Return `value` in SI. `around` is the unit of what a function of time stands for."""
         unit = form.get("x-unit", "")
         unit = unit.replace("*", around) if "*" in unit and around else unit
+        if waits(value):
+            return self.function_of_time(value, _written(unit) or PLAIN, path)
         if is_quantity(value):
             units = [unit] if unit else list(_units_in(form))
             return self.number(value, " or ".join(map(_written, units)) or PLAIN, path)
@@ -110,6 +131,26 @@ class SIWalk:
             for index, (inner, item) in enumerate(zip(forms, items, strict=False))
         ]
 
+    def function_of_time(self, value: Any, unit: str, path: tuple[str | int, ...]) -> Any:
+        """Return a function of time in the unit of what it describes."""
+        changes: dict[str, Any] = {}
+        kind: Any = type(value)
+        for name, form in _form_of(kind, len(kind.model_fields))["properties"].items():
+            own = next((one for one in _units_in(form) if "*" in one), None)
+            item = value.__dict__[name]
+            if own is None or item is None:
+                continue
+            needed = _written(own.replace("*", unit))
+            each = [
+                self.number(one.given, needed, (*path, name)) if isinstance(one, Measured) else one
+                for one in (item if isinstance(item, tuple) else (item,))
+            ]
+            refused = next((one for one in each if isinstance(one, FaultyValue)), None)
+            if refused is not None:
+                return refused
+            changes[name] = each if isinstance(item, tuple) else each[0]
+        return value.replaced(**changes)
+
     def branch(self, form: Mapping[str, Any], value: Any) -> Mapping[str, Any] | None:
         """Find the one of several forms that a table or list is meant to have."""
         if "$ref" in form:
@@ -149,6 +190,8 @@ class SIWalk:
         key = next(str(part) for part in reversed(path) if isinstance(part, str))
         where = path_text(path)
         try:
+            if "*" in unit and not self.reported:
+                return waiting(given)
             if "*" in unit:
                 raise RefusedError(
                     "the unit is that of what the function of time describes, which is not known here",

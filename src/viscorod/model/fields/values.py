@@ -17,6 +17,7 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import Definition, RefusedError, at_key, did_you_mean, show
 from viscorod.model.fields.forms import NAME, POSITIVE, TEXT, Form, listed, quantity
 from viscorod.model.fields.metadata import Check, accepts, optional
+from viscorod.units import Measured
 
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
@@ -39,7 +40,7 @@ def number(value: Any) -> float:
     if isinstance(value, bool | np.bool_) or not isinstance(value, int | float | np.integer | np.floating):
         raise RefusedError("a number is needed here", "give a plain number such as 0.25")
     try:
-        converted = float(value)
+        converted = value if isinstance(value, Measured) else float(value)
     except OverflowError:
         converted = math.inf
     if not math.isfinite(converted):

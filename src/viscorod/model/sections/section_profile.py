@@ -1,41 +1,22 @@
-"""Variation of the section along a rod: one section, pieces, a taper, or a function of the arc length."""
+"""Variation of the section along a rod: one section, pieces, a taper, stations, or a function of the arc length."""
 
 from __future__ import annotations
 
-from collections import ChainMap
 from collections.abc import Callable, Mapping, Sequence
 from itertools import pairwise
 from typing import Annotated, Any, Self, TypeAlias
 
-import numpy as np
 from pydantic import BeforeValidator, model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
-from viscorod.model.fields.forms import named_or
 from viscorod.model.fields.metadata import Accepts, Key, accepts
-from viscorod.model.fields.values import Positive, choose, sequence
-from viscorod.model.sections.composite import Composite
-from viscorod.model.sections.isotropic_section import SectionProperties
-from viscorod.model.sections.outline import PolygonSection
+from viscorod.model.fields.values import Positive, sequence
 from viscorod.model.sections.section_base import SECTION, AnySection
-from viscorod.model.sections.section_shapes import SHAPES
-from viscorod.model.sections.stiffness_section import StiffnessSection
+from viscorod.model.sections.section_kinds import SECTIONS, SectionField, one_section
+from viscorod.model.sections.section_stations import Stations
+from viscorod.model.sections.taper import Taper
 
-__all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "Taper", "section_profile"]
-
-SECTIONS: Mapping[str, type[AnySection]] = ChainMap(
-    {
-        "outline": PolygonSection,
-        "composite": Composite,
-        "given": SectionProperties,
-        "stiffness": StiffnessSection,
-    },
-    SHAPES,
-)
-"""The sections by their word in a case file: the SHAPES, and those that are not made of one known outline."""
-
-one_section = choose("shape", SECTIONS, form=named_or("section"), words=SECTION)
-SectionField = Annotated[AnySection, one_section]
+__all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "section_profile"]
 
 
 class Piece(Definition):
@@ -86,56 +67,13 @@ class Piecewise(Definition):
         return next((piece.section for piece in self.pieces if s < piece.until), self.pieces[-1].section)
 
 
-class Taper(Definition):
-    """A section whose every dimension changes linearly along the rod."""
-
-    start: SectionField = Key("section at s = 0")
-    end: SectionField = Key("section at the end, of the same shape")
-
-    @model_validator(mode="after")
-    def _same_shape(self) -> Self:
-        if type(self.start) is not type(self.end):
-            raise RefusedError(
-                "a taper joins two sections of the same shape",
-                "give start and end the same shape",
-                found=f"{type(self.start).__name__} and {type(self.end).__name__}",
-            )
-        if not self.start.can_taper:
-            raise RefusedError(
-                "such a section would need a mesh of its own at every station",
-                "give pieces, each with its section",
-                found=type(self.start).__name__,
-                at=("start",),
-            )
-        for name in type(self.start).model_fields:
-            if (getattr(self.start, name) is None) != (getattr(self.end, name) is None):
-                raise RefusedError(
-                    f"{name} is given at one end only",
-                    f"give {name} at both ends or at none",
-                    found="",
-                    at=(name,),
-                )
-        return self
-
-    def at(self, fraction: float) -> AnySection:
-        """Return the section at a fraction (0 to 1) of the length."""
-        mixed: dict[str, Any] = {}
-        for name in type(self.start).model_fields:
-            first, last = getattr(self.start, name), getattr(self.end, name)
-            if name == self.start.tag or first is None:
-                mixed[name] = first
-            else:
-                mixed[name] = ((1.0 - fraction) * np.asarray(first) + fraction * np.asarray(last)).tolist()
-        return type(self.start)(**mixed)
-
-
-SectionProfile: TypeAlias = AnySection | Piecewise | Taper | Callable[[float], AnySection]
+SectionProfile: TypeAlias = AnySection | Piecewise | Taper | Stations | Callable[[float], AnySection]
 
 
 @accepts(None, SECTION, "or a function of the arc length")
 def section_profile(value: Any) -> SectionProfile:
-    """Return `value` as a section, pieces, a taper or a function."""
-    if isinstance(value, Piecewise | Taper):
+    """Return `value` as a section, pieces, a taper, stations or a function."""
+    if isinstance(value, Piecewise | Taper | Stations):
         return value
     if callable(value) and not isinstance(value, Definition | type):
         profile: SectionProfile = value

@@ -26,7 +26,7 @@ from viscorod.model.sections.named_numbers import (
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.typing import Floats
 
-__all__ = ["STRAINS", "TWISTS", "Matrix", "MaxwellBranch", "StiffnessSection"]
+__all__ = ["STRAINS", "TWISTS", "Matrix", "MaxwellBranch", "StiffnessSection", "strain_times"]
 
 Matrix: TypeAlias = tuple[tuple[float, ...], ...]
 Given: TypeAlias = Sequence[float] | Sequence[Sequence[float]] | Floats | Mapping[str, float]
@@ -198,7 +198,7 @@ def _damping(value: Any) -> Matrix | None:
     {"anyOf": [listed(quantity(bounds=NOT_NEGATIVE), 6, 6), TIMES_FORM]},
     "6 numbers >= 0, or a table of GA1, GA2, EA, EI1, EI2, GJ",
 )
-def _times(value: Any) -> tuple[float, ...] | None:
+def strain_times(value: Any) -> tuple[float, ...] | None:
     """Check six numbers >= 0."""
     if value is None:
         return None
@@ -284,7 +284,7 @@ class StiffnessSection(AnySection):
         BeforeValidator(items),
         Accepts(listed(of_kind("sections.branch")), TABLES),
     ] = Key("Maxwell branches, each with its relaxation `time` and its `stiffness`", default=())
-    times: Annotated[Sequence[float] | None, _times] = Key(
+    times: Annotated[Sequence[float] | None, strain_times] = Key(
         "retardation times of the six strains instead of `damping`; {}", "s", default=None
     )
 

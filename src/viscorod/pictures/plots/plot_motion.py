@@ -154,7 +154,7 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     positions, rotations = poses.position, poses.rotation
     assembly = Assembly(run)
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
-    view = View.of(np.concatenate([*positions, reference, *ends]))
+    view = View.of(np.concatenate([*positions, reference, *ends]), enlarged=assembly.empty)
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"

@@ -39,7 +39,7 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
     rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
     assembly = Assembly(equilibrium)
     ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
-    view = View.of(np.concatenate([*positions, reference, ends]))
+    view = View.of(np.concatenate([*positions, reference, ends]), enlarged=assembly.empty)
     turning = equilibrium.kind == "steady"
     view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
     curves = Curves(equilibrium)

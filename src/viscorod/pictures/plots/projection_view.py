@@ -20,7 +20,7 @@ from viscorod.pictures.style import (
     label_once,
 )
 from viscorod.results.data_schema import AXES
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import quantity, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -29,6 +29,8 @@ if TYPE_CHECKING:
     from viscorod.results.result import Result
 
 _FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
+_SLIGHT = 0.03  # a motion in a plane that is flatter is drawn larger across
+_STRAIGHT = 1e-9  # and one that is flatter than this does not leave its line
 _FINE, _MOST = (
     12,
     50_000,
@@ -49,6 +51,8 @@ class View:
         scale: from m to the shown unit.
         unit: the shown unit.
         origin: what is in the middle of the paper's coordinates, (3,) [m].
+        across: of a plane view whose axes have scales of their own, the one that is drawn larger with its scale and
+            unit, 0 to the right or 1 up.
     """
 
     projection: Floats
@@ -57,10 +61,11 @@ class View:
     scale: float
     unit: str
     origin: Floats = field(default_factory=lambda: np.zeros(3))
+    across: tuple[int, float, str] | None = None
 
     @classmethod
-    def of(cls, positions: Floats) -> View:
-        """Choose the view of positions ``(..., 3)`` [m]."""
+    def of(cls, positions: Floats, *, enlarged: bool = False) -> View:
+        """Choose the view of positions ``(..., 3)`` [m]; ``enlarged``: what hardly leaves a line is drawn larger."""
         points = positions.reshape(-1, 3)
         extent = np.ptp(points, axis=0)
         thin = int(np.argmin(extent))
@@ -68,7 +73,12 @@ class View:
         scale, unit = scaled("m", largest)
         if extent[thin] <= _FLAT * largest:
             first, second = (axis for axis in range(3) if axis != thin)
-            return cls(np.eye(3)[[first, second]], (first, second), 0.0, scale, unit)
+            slight = int(extent[second] <= extent[first])
+            low = float(extent[[first, second][slight]])
+            across = None
+            if enlarged and _STRAIGHT * largest < low < _SLIGHT * largest:
+                across = (slight, *scaled("m", low))
+            return cls(np.eye(3)[[first, second]], (first, second), 0.0, scale, unit, across=across)
         a, e = _AZIMUTH, _ELEVATION
         right = (-math.sin(a), math.cos(a), 0.0)
         up = (-math.sin(e) * math.cos(a), -math.sin(e) * math.sin(a), math.cos(e))
@@ -88,21 +98,33 @@ class View:
     @property
     def name(self) -> str:
         """Where the picture is, in words: "in the xy plane" or "in space"."""
-        return "in space" if self.plane is None else f"in the {''.join(AXES[k] for k in self.plane)} plane"
+        if self.plane is None:
+            return "in space"
+        plane = f"in the {''.join(AXES[k] for k in self.plane)} plane"
+        return plane if self.across is None else f"{plane}, {AXES[self.plane[self.across[0]]]} enlarged"
 
     def on_paper(self, points: Floats) -> Floats:
         """Return points ``(n, 3)`` [m] on paper, ``(2, n)`` in the shown unit."""
         paper: Floats = self.scale * self.projection @ (points - self.origin).T
+        if self.across is not None:
+            axis, scale, _ = self.across
+            paper[axis] *= scale / self.scale
         return paper
 
     def prepare(self, axes: Axes, title: str) -> None:
         """Give an axes equal scales, a heading and, in a plane, labels."""
-        axes.set_aspect("equal", adjustable="datalim")
+        if self.across is None:
+            axes.set_aspect("equal", adjustable="datalim")
+        else:
+            axes.margins(0.05)
         heading(axes, title)
         if self.plane is None:
             axes.set_axis_off()
         else:
-            first, second = (f"{AXES[axis]} [{self.unit}]" for axis in self.plane)
+            units = [self.unit, self.unit]
+            if self.across is not None:
+                units[self.across[0]] = self.across[2]
+            first, second = (f"{AXES[axis]} [{unit}]" for axis, unit in zip(self.plane, units, strict=True))
             clean(axes, first, second)
 
     def finish(self, axes: Axes, headroom: float = 0.0) -> None:
@@ -130,7 +152,7 @@ class View:
         length = _round_length(0.3 * (right - left))
         gap = 0.06 * axes.dataLim.height
         axes.plot([right - length, right], [bottom - gap, bottom - gap], color=INK, linewidth=2.0)
-        text = f"{length:g} {self.unit}"
+        text = quantity(length / self.scale, "m", 1)
         axes.annotate(
             text,
             (right - 0.5 * length, bottom - gap),

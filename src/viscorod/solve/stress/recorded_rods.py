@@ -12,7 +12,9 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection
-from viscorod.model.sections.section_profile import Piecewise, SectionProfile, Taper, section_profile
+from viscorod.model.sections.section_profile import Piecewise, SectionProfile, section_profile
+from viscorod.model.sections.section_stations import Stations
+from viscorod.model.sections.taper import Taper
 from viscorod.model.strain_constraints import constrained_strains
 from viscorod.typing import Floats
 
@@ -156,7 +158,7 @@ class RecordedRod:
 
     def at(self, s: float) -> SectionHere:
         """Return the section at an arc length [m]."""
-        if isinstance(self.profile, Piecewise):
+        if isinstance(self.profile, Piecewise | Stations):
             section = self.profile.at(s)
         elif isinstance(self.profile, Taper):
             section = self.profile.at(min(max(s / self.length, 0.0), 1.0))
@@ -179,6 +181,8 @@ def _profile(rod: Mapping[str, Any]) -> SectionProfile:
             return section
 
         return nearest
+    if isinstance(rod.get("sections"), Mapping):
+        return Stations.model_validate(rod["sections"])
     if "sections" in rod:
         return Piecewise([(piece["until"], piece["section"]) for piece in rod["sections"]])
     if "taper" in rod:
