@@ -27,7 +27,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.plan import plans
 from viscorod.solve.problem.discretise import discretise
-from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha, Relation
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
 
 
 def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:
@@ -103,16 +103,18 @@ def measure(elements: int, order: int, rods: int = 1) -> tuple[float, float, int
     system = integrator.system
     n = system.problem.size
     slope = 2e3
-    relation = Relation(slope, np.zeros((n, 6)), np.zeros((n, 6)))
+    relation = slope, np.zeros((n, 6)), np.zeros((n, 6))
     loads = integrator.loads.at(integrator.t)
     new = integrator.state.copy()
     increment = 1e-6 * np.random.default_rng(0).normal(size=(n, 6))
     increment[integrator.supports.set.nodes] = 0.0
     start = increment.copy()
+    newton = integrator.newton
+    newton.begin(integrator.state, new, increment, relation, loads)
 
     def iteration() -> None:
         increment[:] = start
-        integrator.iterate(new, increment, relation, loads)
+        newton.run(0.0, 1)
 
     iteration()
     kept = band_of(system.matrix)

@@ -19,7 +19,7 @@ from numba.extending import intrinsic
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 
-__all__ = ["address_of", "returning"]
+__all__ = ["address_of", "far", "returning"]
 
 _unliteral: Any = types.unliteral
 _alloca: Any = cgutils.alloca_once
@@ -37,6 +37,13 @@ def address_of(known: KnownTypes, result: Any, arguments: Callable[[], tuple[Any
 def _place(library: Any, name: str) -> int:
     found: int = library.get_pointer_to_function(name)
     return found
+
+
+def far(kernel: Callable[..., Any], result: Any) -> Callable[[int, tuple[Any, ...]], Any]:
+    """Return what calls ``kernel``, which returns a ``result``, by its address; in pure Python the kernel itself."""
+    if PURE_PYTHON:
+        return lambda _, arguments: kernel(*arguments)
+    return returning(result)
 
 
 def returning(result: Any) -> Callable[[int, tuple[Any, ...]], Any]:

@@ -15,7 +15,7 @@ from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
-CONSTANT = frozenset({"_directions_now", "_impose", "_impose_tangent", "complete", "partial", "q0", "r0"})
+CONSTANT = frozenset({"directions", "_impose", "_impose_tangent", "complete", "partial", "q0", "r0"})
 STILL = frozenset({"acceleration", "rate", "target", "twist", "twist_rate"})
 """What never changes, and what else does not where no support moves: motions that go on need none of it."""
 
@@ -36,7 +36,7 @@ class SupportState:
         self.reaction: Floats = np.zeros((m, 6))
         self.weights: Floats = np.ones((problem.size, 6))
         self.nodes = supports.SupportedNodes(s.nodes, s.fixed, s.axes, self.r0, self.q0)
-        self._directions_now = supports.Directions.of(m)
+        self.directions = supports.Directions.of(m)
         self._impose, self._impose_tangent = (
             KnownTypes(supports.impose),
             KnownTypes(supports.impose_tangent),
@@ -119,12 +119,12 @@ class SupportState:
         With the ``tangent`` held rows of both are multiplied by ``weights``.
         """
         impose = self._impose.suited(state.r, state.q, residual)
-        impose(self.nodes, self.target, state.r, state.q, residual, self.reaction, self._directions_now)
+        impose(self.nodes, self.target, state.r, state.q, residual, self.reaction, self.directions)
         if tangent:
             self.weights = np.ones(residual.shape)
             self._impose_tangent.suited(matrix.blocks)(
                 self.nodes,
-                self._directions_now,
+                self.directions,
                 self.reaction,
                 self.weights,
                 matrix.blocks,
@@ -146,7 +146,7 @@ class SupportState:
         How fast rotations change follows from the twists: the reaction's moment acts about the axes in space.
         """
         speeds = self.rate.copy()
-        directions = self._directions_now.G[:, 3:, 3:]
+        directions = self.directions.G[:, 3:, 3:]
         turning = np.einsum("mij,mj->mi", directions, state.twist[self.set.nodes, 3:])
         speeds[~self.set.in_body, 3:] = turning[~self.set.in_body]
         return float(np.sum(self.set.fixed * self.reaction * speeds))

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 
 import numpy as np
@@ -29,7 +30,19 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
 SCRATCH = frozenset(
-    ("_columns", "_no_blocks", "_no_columns", "_no_map", "_places", "_unstressed", "external", "internal")
+    (
+        "_all_columns",
+        "_columns",
+        "_no_blocks",
+        "_no_columns",
+        "_no_map",
+        "_places",
+        "_strain_columns",
+        "_unstressed",
+        "batches",
+        "external",
+        "internal",
+    )
 )
 """What is computed anew or never changes: motions that go on need none of it."""
 
@@ -39,6 +52,10 @@ class GeometricSystem:
 
     Strains are measured from those of the interpolated reference shape, so a curved rod is free of stress as built, and
     from the rest strains of the problem.
+
+    Attributes:
+        batches: the numbers of each :class:`~viscorod.mechanics.elements.gauss_batch.ElementGroup`, and its first batch
+            of Gauss points and that of the next one ``(groups, 8)``.
     """
 
     def __init__(self, problem: Problem) -> None:
@@ -59,14 +76,18 @@ class GeometricSystem:
         self.stress, self.strain, self.strain_rate, self.section_force, self._earlier = (
             np.zeros_like(whole) for _ in range(5)
         )
-        self._columns = [
-            np.zeros((-(-group.size * group.order // LANES), group.order + 1, 6, 6, LANES))
-            for group in self.groups
-        ]
+        batches = np.cumsum([0, *(-(-group.size * group.order // LANES) for group in self.groups)])
+        most = max((group.order for group in self.groups), default=0) + 1
+        self._all_columns: Floats = np.zeros((int(batches[-1]), most, 6, 6, LANES))
+        self._columns = [self._all_columns[a:b] for a, b in itertools.pairwise(batches)]
+        self.batches: Integers = np.array(
+            [(*group, batches[k], batches[k + 1]) for k, group in enumerate(self.groups)], dtype=np.int64
+        ).reshape(-1, 8)
         self._stiffness = self._elements.stiffness.copy()
         self._no_map = np.zeros((problem.size, 6, 6))
         self._no_blocks = np.zeros((0, 6, 6))
         self._no_columns = np.zeros((0, 1, 6, 6, LANES))
+        self._strain_columns = self._no_columns
         self._operators: Operators | None = None
         self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
         self._update_stress = KnownTypes(geometric.update_stress)
@@ -101,29 +122,85 @@ class GeometricSystem:
             rate_matrix.clear()
         rates = self._no_map if rate_map is None else rate_map
         rate_blocks = self._no_blocks if rate_matrix is None else rate_matrix.blocks
-        self._update_sections()
-        if loads.rest is not None:
-            self.impose_rest(loads.rest)
-        self._take_rates(moving)
+        elements = self._prepare(loads, moving=moving)
         held = problem.held
-        if len(held.place):
-            self.stress[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
+        self.hold_stress(state)
         self._add_elements(
-            self._present(),
+            elements,
             self.stress,
             state,
             (moving, rates, tangent),
             geometric.Assembled(self.internal, blocks, rate_blocks),
             self._shared_operators() if tangent and len(held.place) else None,
         )
+        self._add_rest(state, loads, rate_map, rate_blocks, tangent=tangent, moving=moving)
+
+    def _prepare(self, loads: LoadState, *, moving: bool) -> Elements:
+        """Return all elements with the stiffness, the prestress and the rest strains of an assembly under ``loads``."""
+        self._update_sections()
+        if loads.rest is not None:
+            self.impose_rest(loads.rest)
+        self._take_rates(moving)
+        return self._present()
+
+    def hold_stress(self, state: State) -> None:
+        """Take the stresses of held strains from their multipliers."""
+        held = self.problem.held
+        if len(held.place):
+            self.stress[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
+
+    def _add_rest(
+        self,
+        state: State,
+        loads: LoadState,
+        rate_map: Floats | None,
+        rate_blocks: Floats,
+        *,
+        tangent: bool,
+        moving: bool,
+    ) -> None:
+        """Add joints, springs, held strains and loads to what the elements amount to."""
+        problem, blocks = self.problem, self.matrix.blocks
         if moving and self.imposed.changes:
             self.strain_rate -= self.rest[1][0]
         if problem.constrained:
+            rates = self._no_map if rate_map is None else rate_map
             self._add_constraints(state, rates, blocks, rate_blocks, tangent=tangent, moving=moving)
-        maps = rates if moving and rate_map is not None else self._no_blocks
+        maps = rate_map if moving and rate_map is not None else self._no_blocks
         into = MotionTangent(maps, blocks, rate_blocks, problem.pattern.diagonal) if tangent else None
         twist = state.twist if moving else None
         self.dissipated = loads.add(problem, (state.r, state.q), twist, self.external, into)
+
+    # --- the same for compiled code, which adds the elements itself
+
+    def lend(self, loads: LoadState) -> tuple[Elements, PointFields]:
+        """Return elements and Gauss points for assemblies of what moves under ``loads``, in all batches."""
+        held = len(self.problem.held.place) > 0
+        strain_columns = self._no_columns
+        if held and not len(self._strain_columns):
+            self._strain_columns = np.zeros_like(self._all_columns)
+        if held:
+            strain_columns = self._strain_columns
+        elements = self._prepare(loads, moving=True)
+        beside = self._beside if self.imposed.changes else self.prestress
+        fields = self.strain, self.strain_rate, self.section_force
+        return elements, PointFields(self.stress, beside, *fields, self._all_columns, strain_columns)
+
+    @property
+    def has_more(self) -> bool:
+        """Whether there is more than elements and loads on nodes."""
+        problem = self.problem
+        more = problem.constrained or problem.station_loads or problem.motion_loads
+        return bool(more or self.imposed.changes)
+
+    def add_rest(self, state: State, loads: LoadState, rate_map: Floats) -> None:
+        """Add all but the elements, which compiled code has assembled with their tangent."""
+        if len(self._strain_columns):
+            for number, group in enumerate(self.groups):
+                first, last = self.batches[number, 6:]
+                fields = self._point_fields(number, self.stress, self._strain_columns[first:last])
+                collect(self._elements, group, fields, self._shared_operators())
+        self._add_rest(state, loads, rate_map, self._no_blocks, tangent=True, moving=True)
 
     def impose_rest(self, rest: Imposed) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

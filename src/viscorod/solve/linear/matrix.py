@@ -40,7 +40,7 @@ class Matrix:
     Attributes:
         blocks: its values ``(b, 6, 6)``, entry (i, j) of block s at ``blocks[s, j, i]``.
         scales: of the unknowns ``(6 N,)``. Displacements are measured in a length near that of the model, so that
-            pivoting compares like with like; near one metre this changes nothing.
+            pivoting compares like with like; near one metre this changes nothing, and they are not ``scaled``.
     """
 
     def __init__(self, pattern: Pattern, length: float = 1.0, plan: Callable[[], Plan] | None = None) -> None:
@@ -48,7 +48,7 @@ class Matrix:
         self.pattern = pattern
         self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
         self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
-        self._scaled = unit != 1.0
+        self.scaled = unit != 1.0
         self._plan = plan
 
     @cached_property
@@ -66,17 +66,17 @@ class Matrix:
         Raises:
             SingularMatrixError: a pivot is exactly zero.
         """
-        if self._scaled:
+        if self.scaled:
             scale_blocks(self.pattern.rows, self.pattern.columns, self.scales, self.blocks)
         self.solver.factorise(self.blocks)
 
     def solve(self, right_side: Floats, *, transposed: bool = False) -> Floats:
         """Solve in place with the factors, or their transpose, for ``(6 N,)`` or ``(N, 6)``; return that."""
         scales = self.scales.reshape(right_side.shape)
-        if self._scaled:
+        if self.scaled:
             right_side *= scales
         self.solver.solve(right_side, transposed=transposed)
-        if self._scaled:
+        if self.scaled:
             right_side *= scales
         return right_side
 

@@ -38,6 +38,7 @@ from viscorod.solve.problem.law_callbacks import LawCallbacks, MotionLaws
 from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
+from viscorod.solve.transient.integrators.balance_iteration import BalanceIteration
 from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
 from viscorod.solve.transient.integrators.record_kernels import Kept, Reading
 from viscorod.solve.transient.integrators.stage_data import (
@@ -64,6 +65,7 @@ UNCHANGED = (
     LoadState, MotionLoads, MotionLaws, MotionWork, StationWork, StageFactors, StageLoads, SupportMotion, Work,
     Coefficients, Relation, Solution, GaussPositions, ElementWork, ImposedStrains, StackedSolvers, Reading,
     ReducedModel, ReducedLoads, Kept, Stages, StepAccount, KnownTypes,
+    BalanceIteration,
 )  # fmt: skip
 """What a run does not change, or makes again from the rest: it is not saved."""
 

@@ -27,7 +27,7 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict, jacobian
 from viscorod.solve.transient.integrators.collocation_step import try_step
 from viscorod.solve.transient.integrators.company import Company
-from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.contract import OUTCOME, Inside, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept, StepEnd
@@ -52,14 +52,6 @@ from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.load_content import StepContent
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
-
-_OUTCOME = {
-    iteration_verdict.CONVERGED: Outcome.CONVERGED,
-    iteration_verdict.SLOW: Outcome.SLOW,
-    iteration_verdict.DIVERGED: Outcome.DIVERGED,
-    iteration_verdict.NOT_FINITE: Outcome.NOT_FINITE,
-}
-
 
 SCRATCH = frozenset({"_ad", "_parts", "_points", "_reached", "actions"})
 """What every step computes anew."""
@@ -221,7 +213,7 @@ class Collocation:
             self.system.constraints.laws.callback.check()
         self.actions.loads.laws.callback.check()
         imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
-        return StepReport(_OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
+        return StepReport(OUTCOME[code], count, size, imbalance, node, 0.0, rate, component)
 
     def step_arguments(self, h: float) -> tuple[Any, ...]:
         """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""

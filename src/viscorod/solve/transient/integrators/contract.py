@@ -10,7 +10,16 @@ from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.integrators import iteration_verdict
 from viscorod.typing import Floats
+
+OUTCOME = {
+    iteration_verdict.CONVERGED: Outcome.CONVERGED,
+    iteration_verdict.SLOW: Outcome.SLOW,
+    iteration_verdict.DIVERGED: Outcome.DIVERGED,
+    iteration_verdict.NOT_FINITE: Outcome.NOT_FINITE,
+}
+"""What the verdicts on iterations are called."""
 
 
 class StepReport(NamedTuple):

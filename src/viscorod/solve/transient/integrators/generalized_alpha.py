@@ -20,16 +20,18 @@ import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes import inertia
-from viscorod.mechanics.rotations.rotation import add_mapped, inverse_motion_tangent, retract
+from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.energy_account import StepShare
-from viscorod.solve.formulations.system import State, System
+from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
-from viscorod.solve.problem.external_loads import ExternalLoads, LoadState
+from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.imposed_strains import Imposed
-from viscorod.solve.statics.newton import Convergence, Outcome, SingularMatrixError, worst_node
-from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.statics.newton import Outcome, SingularMatrixError, worst_node
+from viscorod.solve.transient.integrators.balance_iteration import BalanceIteration
+from viscorod.solve.transient.integrators.contract import OUTCOME, Inside, StepReport
 from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
@@ -96,7 +98,7 @@ class GeneralizedAlpha:
 
     def __init__(
         self,
-        system: System,
+        system: GeometricSystem,
         supports: SupportState,
         *,
         spectral_radius: float = 0.8,
@@ -109,9 +111,9 @@ class GeneralizedAlpha:
         self.loads = ExternalLoads(system.problem)
         self.coefficients = Coefficients.of(spectral_radius)
         self.tolerance = tolerance
-        self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
         self.newton_tolerance = newton_tolerance
         self.iterations = iterations
+        self.step_tolerance = None if tolerance is None else STEP_FACTOR * tolerance**1.5
         n = system.problem.size
         self.t = 0.0
         self.state = State.reference(system.problem)
@@ -131,8 +133,8 @@ class GeneralizedAlpha:
         self._map = np.zeros((n, 6, 6))
         self._fresh = True
         self._held = supports.set.nodes[supports.complete]
-        self._retract, self._inverse = KnownTypes(retract), KnownTypes(inverse_motion_tangent)
-        self._add_rate, self._add_mapped = KnownTypes(inertia.add_momentum_rate), KnownTypes(add_mapped)
+        self._retract, self._add_rate = KnownTypes(retract), KnownTypes(inertia.add_momentum_rate)
+        self.newton = BalanceIteration(system, supports, self._map)
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -352,20 +354,19 @@ class GeneralizedAlpha:
         loads = self.loads.at(t, before)
         increment[self._held] = 0.0
         new = old.copy()
-        convergence = Convergence(system.problem.length, self.newton_tolerance, self.iterations)
-        count, imbalance, node = 0, 0.0, 0
-        verdict: Outcome | None = None
-        while verdict is None:
-            try:
-                residual, change = self.iterate(new, increment, relation, loads)
-            except SingularMatrixError as error:
-                verdict, size, node = Outcome.SINGULAR, 0.0, error.row // 6
-                break
-            count += 1
-            verdict, size = convergence.judge(change, count)
-            if verdict not in (None, Outcome.CONVERGED):
-                unbalanced = supports.unbalanced(residual)[: system.problem.size]
-                imbalance, node = worst_node(unbalanced, system.problem.length)
+        system.constraints.pace = relation.slope
+        newton = self.newton
+        newton.begin(old, new, increment, (relation.slope, relation.constant, relation.history), loads)
+        imbalance, node, size = 0.0, 0, 0.0
+        try:
+            code, size = newton.run(self.newton_tolerance, self.iterations)
+            verdict = OUTCOME[code]
+        except SingularMatrixError as error:
+            verdict, node = Outcome.SINGULAR, error.row // 6
+        count = newton.count
+        if verdict not in (Outcome.CONVERGED, Outcome.SINGULAR):
+            unbalanced = supports.unbalanced(newton.residual)[: system.problem.size]
+            imbalance, node = worst_node(unbalanced, system.problem.length)
         self.evaluations += count
         self.factorisations += count
         self.jacobians += count
@@ -375,34 +376,6 @@ class GeneralizedAlpha:
         else:
             self._restore_state()
         return Solution(report, new, increment, self._momentum)
-
-    def iterate(
-        self, new: State, increment: Floats, relation: Relation, loads: LoadState
-    ) -> tuple[Floats, Floats]:
-        """Do one Newton iteration: assemble where ``increment`` leads, factorise, solve, update ``increment``.
-
-        Returns:
-            the residual before and the change of the nodal poses, body frame, each ``(n, 6)``.
-
-        Raises:
-            SingularMatrixError: the matrix is singular.
-        """
-        system = self.system
-        self._update_state(new, increment, relation)
-        self._inverse.call(increment, relation.slope, self._map)
-        self._map[self._held] = 0.0
-        system.constraints.pace = relation.slope
-        system.assemble(new, loads, self._map, tangent=True, moving=True)
-        residual = self._residual(new, relation, tangent=True)
-        self.supports.impose(new, residual, system.matrix, tangent=True)
-        system.matrix.factorise()
-        change = system.matrix.solve(-residual)
-        if system.problem.multipliers:
-            new.multiplier += system.multiplier_change(change)
-        change = change[: system.problem.size]
-        self._add_mapped.call(self._map, change, 1.0 / relation.slope, increment)
-        system.carry_stress(change)
-        return residual, change
 
     def _update_state(self, new: State, increment: Floats, relation: Relation) -> None:
         """Write the poses and twists that belong to an increment."""
