@@ -141,3 +141,28 @@ def test_a_finer_mesh_that_was_there_already_tells_the_same_errors(monkeypatch):
     assert {"mesh_errors", "mesh_motion_error", "mesh_force_error"} <= set(names)
     assert [found.data.attrs[name] for name in names] == [alone.data.attrs[name] for name in names]
     assert refinement.MOST_MESHES > 1
+
+
+def test_copies_with_other_fields_compute_anew_what_follows_from_them():
+    """The rotation of the frame, the matrices of the section and the line, after all of them have been asked for."""
+    soft, hard = (vr.Material(modulus, 0.3, 1000.0) for modulus in (1e6, 2e6))
+    section = vr.Rectangle(0.01, 0.02)
+    line = vr.Straight((0.0, 0.0, 0.0), (1.0, 0.0, 0.0))
+    rod = vr.Rod(line, section, soft)
+    before = rod.matrices_at(0.0)[0]
+    rod.frames([0.0]), rod.turned([1.0])
+    assert rod.model_copy(update={"material": hard}).matrices_at(0.0)[0] == pytest.approx(2.0 * before)
+    assert rod.matrices_at(0.5)[0] == pytest.approx(before)
+    longer = line.model_copy(update={"end": (0.0, 2.0, 0.0)})
+    assert longer.frames([2.0])[0][0] == pytest.approx([0.0, 2.0, 0.0])
+    arc = vr.Arc((0.0, 0.0, 0.0), (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), 1.0, 1.0)
+    assert rod.model_copy(update={"centreline": arc}).turned([1.0])[0] == pytest.approx(1.0)
+
+
+def test_matrices_of_a_uniform_rod_are_the_readers_own():
+    rod = vr.Rod(
+        vr.Straight((0.0, 0.0, 0.0), (1.0, 0.0, 0.0)), vr.Rectangle(0.01, 0.02), vr.Material(1e6, 0.3, 1e3)
+    )
+    for matrix in rod.matrices_at(0.0):
+        matrix[:] = 0.0
+    assert rod.matrices_at(0.0)[0].any()

@@ -277,6 +277,17 @@ class Rod(AlongCurves, Definition):
 
     def matrices_at(self, s: float) -> Matrices:
         """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
+        if self.uniform:
+            stiffness, damping, inertia = self._uniform_matrices
+            return stiffness.copy(), damping.copy(), inertia.copy()
+        return self._matrices_at(s)
+
+    @cached_property
+    def _uniform_matrices(self) -> Matrices:
+        """What :meth:`matrices_at` returns anywhere on a uniform rod."""
+        return self._matrices_at(0.0)
+
+    def _matrices_at(self, s: float) -> Matrices:
         section = self.section_at(s)
         material = self.material if section.needs_material else None
         matrices = section.matrices(material)

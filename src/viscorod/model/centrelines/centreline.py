@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
+from functools import cached_property
 from typing import ClassVar, TypeAlias
 
 import numpy as np
@@ -66,15 +67,26 @@ class Centreline(Definition):
         """
         stations = np.atleast_1d(np.asarray(s, dtype=np.float64))
         position, natural = self.bishop(stations)
-        start = self.bishop(np.zeros(1))[1][0]
-        wanted = start_axis(start[:, 2], d1)
-        angle = math.atan2(float(wanted @ start[:, 1]), float(wanted @ start[:, 0])) + self.twisted(
-            stations, twist
-        )
+        angle = self._start_angle(d1) + self.twisted(stations, twist)
         c, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]
         first = c * natural[:, :, 0] + sine * natural[:, :, 1]
         second = c * natural[:, :, 1] - sine * natural[:, :, 0]
         return position, np.stack([first, second, natural[:, :, 2]], axis=2)
+
+    def _start_angle(self, d1: Sequence[float] | None) -> float:
+        """Return the angle [rad] of the section at s = 0 from the rotation-minimising frame there."""
+        axis = None if d1 is None else tuple(map(float, d1))
+        known = self._start_angles
+        if axis not in known:
+            start = self.bishop(np.zeros(1))[1][0]
+            wanted = start_axis(start[:, 2], d1)
+            known[axis] = math.atan2(float(wanted @ start[:, 1]), float(wanted @ start[:, 0]))
+        return known[axis]
+
+    @cached_property
+    def _start_angles(self) -> dict[tuple[float, ...] | None, float]:
+        """Angles that are known, by the axis d1 that was given."""
+        return {}
 
     def twisted(self, s: Floats, twist: Twist) -> Floats:
         """Return the angle (n,) of the section about d3 relative to the rotation-minimising frame at `s`, rad."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Annotated, Literal, Self
 
 import numpy as np
@@ -41,10 +42,15 @@ class Straight(Centreline):
 
     def bishop(self, s: Floats) -> tuple[Floats, Floats]:
         """See `Centreline`."""
+        start, tangent, frame = self._line
+        return start + s[:, None] * tangent, np.broadcast_to(frame, (len(s), 3, 3))
+
+    @cached_property
+    def _line(self) -> tuple[Floats, Floats, Floats]:
+        """Start [m], tangent and frame of the line."""
         start = np.array(self.start)
         tangent = (np.array(self.end) - start) / self.length
-        frame = _frame(tangent, start_axis(tangent, None))
-        return start + s[:, None] * tangent, np.broadcast_to(frame, (len(s), 3, 3))
+        return start, tangent, _frame(tangent, start_axis(tangent, None))
 
     def curvature(self, s: Floats) -> Floats:
         """Return zero."""

@@ -199,6 +199,13 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
             unit = f" {units[0]}" if len(units) == 1 and units[0] not in ("1", "*") else ""
             yield f"{name.replace('_', ' ')}: {_in_words(value)}{unit}"
 
+    def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
+        """Return a copy, with other fields; what was computed of the fields before is left behind."""
+        copied = super().model_copy(update=update, deep=deep)
+        for name in copied.__dict__.keys() - type(self).model_fields.keys():
+            del copied.__dict__[name]
+        return copied
+
     def __eq__(self, other: object) -> bool:
         """Return whether both are of one class and were given the same; values computed since are ignored."""
         if not isinstance(other, Definition):
