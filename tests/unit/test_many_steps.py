@@ -49,14 +49,20 @@ def taken(monkeypatch):
     return counts
 
 
-def falling(damping=0.02):
-    """A soft cantilever that falls from rest."""
+def soft(damping):
+    """A soft rod."""
     material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(damping, damping))
     rod = vr.Rod.straight(
         (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=material, elements=1, order=4
     )
     model = vr.Model()
     model.add("rod", rod)
+    return model
+
+
+def falling(damping=0.02):
+    """A soft rod that falls from rest."""
+    model = soft(damping)
     model.gravity((0, 0, -9.81))
     return model
 
@@ -65,6 +71,14 @@ def clamped():
     """Its clamp holds still, and nothing changes."""
     model = falling()
     model.clamp("rod.start")
+    return model
+
+
+def pushed():
+    """A small sudden load, of whose motion the tolerance is a part."""
+    model = soft(0.002)
+    model.clamp("rod.start")
+    model.force("rod.end", (0, 0.002, 0.001))
     return model
 
 
@@ -95,6 +109,7 @@ def free():
     [
         (clamped, {"tolerance": 1e-4, "output_interval": 0.02}),
         (clamped, {}),
+        (pushed, {}),
         (thrust, {"tolerance": 1e-3}),
         (driven, {"tolerance": 1e-4, "output_interval": 0.013}),
         (free, {}),
@@ -103,7 +118,7 @@ def free():
 def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken, monkeypatch):
     """All data, and all that a result says of its steps and of their errors."""
     at_once = make().simulate(0.6, initial="reference", **given)
-    assert sum(taken) > 0.5 * at_once.data.attrs["steps"]
+    assert sum(taken) >= at_once.data.attrs["steps"] - 2  # less one after each start
     monkeypatch.setattr(ManySteps, "of", lambda *_, **__: None)
     one_by_one = make().simulate(0.6, initial="reference", **given)
     assert at_once.data.identical(one_by_one.data.assign_attrs(at_once.data.attrs))

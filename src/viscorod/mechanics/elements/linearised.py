@@ -20,6 +20,7 @@ from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.section_laws import add_law_tangents
 from viscorod.mechanics.nodes.attached_poses import link_map, map_columns
+from viscorod.mechanics.rotations.vectors import put_stage, stage_vector
 from viscorod.typing import Floats
 
 
@@ -93,14 +94,24 @@ def add_frozen_forces(
     for stage in range(force.shape[0]):
         for e in range(orders.shape[0]):
             order = orders[e]
-            for g in range(order):
-                weight = weights[order, g] * half_lengths[e]
-                for a in range(6):
-                    excess = weight * (section_force[stage, e, g, a] - stress[stage, e, g, a])
-                    for k in range(order + 1):
-                        n = nodes[e, k]
-                        for i in range(6):
-                            force[stage, n, i] += excess * B[e, 6 * g + a, 6 * k + i]
+            for k in range(order + 1):
+                n, c = nodes[e, k], 6 * k
+                # six sums beside each other: one would wait for every addition of its own
+                f0, f1, f2 = stage_vector(force, stage, n, 0)
+                f3, f4, f5 = stage_vector(force, stage, n, 3)
+                for g in range(order):
+                    weight = weights[order, g] * half_lengths[e]
+                    for a in range(6):
+                        excess = weight * (section_force[stage, e, g, a] - stress[stage, e, g, a])
+                        row = 6 * g + a
+                        f0 += excess * B[e, row, c]
+                        f1 += excess * B[e, row, c + 1]
+                        f2 += excess * B[e, row, c + 2]
+                        f3 += excess * B[e, row, c + 3]
+                        f4 += excess * B[e, row, c + 4]
+                        f5 += excess * B[e, row, c + 5]
+                put_stage(force, stage, n, 0, (f0, f1, f2))
+                put_stage(force, stage, n, 3, (f3, f4, f5))
 
 
 @part
@@ -120,18 +131,39 @@ def carry_stress(
         section_force: of the poses before the change ``(s, e, points, 6)``; stress: output.
     """
     orders, nodes, damped = elements[0], elements[1], elements[12]
-    for stage in range(change.shape[0]):
-        for e in range(orders.shape[0]):
-            order = orders[e]
-            for g in range(order):
-                for a in range(6):
-                    total = section_force[stage, e, g, a]
-                    row = 6 * g + a
-                    for k in range(order + 1):
-                        n = nodes[e, k]
+    for e in range(orders.shape[0]):
+        order = orders[e]
+        for g in range(order):
+            row = 6 * g
+            for stage in range(change.shape[0]):
+                s0, s1, s2 = (
+                    section_force[stage, e, g, 0],
+                    section_force[stage, e, g, 1],
+                    section_force[stage, e, g, 2],
+                )
+                s3, s4, s5 = (
+                    section_force[stage, e, g, 3],
+                    section_force[stage, e, g, 4],
+                    section_force[stage, e, g, 5],
+                )
+                for k in range(order + 1):
+                    n = nodes[e, k]
+                    for i in range(6):
+                        c, x = 6 * k + i, change[stage, n, i]
+                        s0 += A[e, row, c] * x
+                        s1 += A[e, row + 1, c] * x
+                        s2 += A[e, row + 2, c] * x
+                        s3 += A[e, row + 3, c] * x
+                        s4 += A[e, row + 4, c] * x
+                        s5 += A[e, row + 5, c] * x
+                    if damped:
                         for i in range(6):
-                            total += A[e, row, 6 * k + i] * change[stage, n, i]
-                        if damped:
-                            for i in range(6):
-                                total += P[e, row, 6 * k + i] * rate[stage, n, i]
-                    stress[stage, e, g, a] = total
+                            c, x = 6 * k + i, rate[stage, n, i]
+                            s0 += P[e, row, c] * x
+                            s1 += P[e, row + 1, c] * x
+                            s2 += P[e, row + 2, c] * x
+                            s3 += P[e, row + 3, c] * x
+                            s4 += P[e, row + 4, c] * x
+                            s5 += P[e, row + 5, c] * x
+                out = stress[stage, e, g]
+                out[0], out[1], out[2], out[3], out[4], out[5] = s0, s1, s2, s3, s4, s5

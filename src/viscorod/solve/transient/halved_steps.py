@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import numpy as np
 
@@ -19,16 +20,34 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.saved_state import hand_over
+from viscorod.solve.transient.trial_choice import FARTHEST, FIRST, LONGER, PART, SETTLED
 from viscorod.typing import Floats
 
-__all__ = ["HalvedSteps", "Trials"]
+__all__ = ["HalvedSteps", "Reached", "Trials", "TriedStep"]
 
-FIRST = 1
-"""The first step that is tried again, counted from 0."""
-FARTHEST, PART = 32, 4
-"""Most steps to the next one early in a run, and later the part of those done."""
-SETTLED, LONGER = 8, 2.0
-"""After so many steps one that is so much longer than those tried again is one of them."""
+
+class Reached(NamedTuple):
+    """A state, and the section forces ``(m, 6)`` in it."""
+
+    state: State
+    section_force: Floats
+
+
+class TriedStep(NamedTuple):
+    """A step that was computed again in halves.
+
+    Attributes:
+        end, h: when it ends, and its length [s]; before: body twists at its start ``(n, 6)``.
+        middle, whole: by the step itself, at its middle and at its end; better_middle, better: by the halves.
+    """
+
+    end: float
+    h: float
+    before: Floats
+    middle: Reached
+    whole: Reached
+    better_middle: Reached
+    better: Reached
 
 
 @dataclass
@@ -95,7 +114,7 @@ class HalvedSteps:
         self.twin.start(0.0, state.copy())
         self.twin.watch(duration)
         self._start = self.twin.state.copy()
-        self._measure()
+        self._measure(_reached(self.twin))
 
     def prepare(self, number: int, integrator: Integrator, h: float) -> None:
         """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
@@ -123,6 +142,8 @@ class HalvedSteps:
         around = trials.around[-1]
         around[0] += 1.0
         around[1] += h**self.power
+        if number == trials.next:
+            trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
 
     def compare(self, number: int, integrator: Integrator, before: State, h: float, *, left: bool) -> None:
         """Compute a step that was accepted again in halves, if the state before it was kept.
@@ -131,39 +152,44 @@ class HalvedSteps:
             number: of the step; integrator: of the run, at its end.
             before: the state at its start; h: its length [s]; left: whether loads at its end are limits from the left.
         """
-        twin, trials = self.twin, self.trials
-        end = integrator.t
+        twin, end = self.twin, integrator.t
         self.passed(number, h)
-        if number == trials.next:
-            trials.next += min(2 * number + 1, max(FARTHEST, number // PART))
         if not self._kept:
             return
         self._kept = False
         twin.resume()
         middle = integrator.between(np.array([0.5])).states.at(0)
-        within = np.zeros((len(self.mass), 6))
+        halves = []
         for at, limit in ((end - 0.5 * h, False), (end, left)):
             twin.begin_half()
             if not twin.attempt(at, before=limit).converged:
                 return
             twin.accept()
-            if at < end:
-                within = np.abs(self._away(middle.state, twin.state))
-                if self.strains:
-                    inside = _largest(middle.section_force - twin.snapshot().section_force)
-                    trials.apart = np.maximum(trials.apart, inside)
+            halves.append(_reached(twin))
+        whole = Reached(integrator.state, integrator.snapshot().section_force)
+        inside = Reached(middle.state, middle.section_force)
+        self.take(number, TriedStep(end, h, before.twist, inside, whole, *halves))
+
+    def take(self, number: int, step: TriedStep) -> None:
+        """Take the difference of a step, by its number, from its halves as its error; it has been counted."""
+        trials, better = self.trials, step.better
+        within = np.abs(self._away(step.middle.state, step.better_middle.state))
+        if self.strains:
+            inside = _largest(step.middle.section_force - step.better_middle.section_force)
+            trials.apart = np.maximum(trials.apart, inside)
         trials.within = np.maximum(trials.within, within)
         if trials.border is not None:  # two in a row
             trials.around.append(np.zeros(2))
         trials.border = (number + 1 + trials.next) // 2
-        self._measure()
-        self._take(end, h, before.twist, integrator.state)
-        found, better = (at.snapshot().section_force for at in (integrator, twin))
-        trials.apart = np.maximum(trials.apart, _largest(found - better) / self.seen)
+        self._measure(better)
+        self._compare(step)
+        lacking = _largest(step.whole.section_force - better.section_force)
+        trials.apart = np.maximum(trials.apart, lacking / self.seen)
 
-    def _take(self, end: float, h: float, before: Floats, state: State) -> None:
-        """Take the difference of a state of the run from the twin's as the error of a step, mode by mode."""
-        better, modes, size = self.twin.state, self.modes, len(self.mass)
+    def _compare(self, step: TriedStep) -> None:
+        """Take the error of a step apart, mode by mode."""
+        state, better, before = step.whole.state, step.better.state, step.before
+        modes, size = self.modes, len(self.mass)
         pose = self._away(state, better)
         moving = np.stack([pose, state.twist - better.twist, before, state.twist])
         momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
@@ -172,8 +198,8 @@ class HalvedSteps:
         explained = (modes.shapes @ errors[0] + modes.rigid @ rigid[0]).reshape(size, 6)
         errors[1] /= modes.omega
         trials = self.trials
-        trials.lengths.append(h)
-        trials.times.append(end)
+        trials.lengths.append(step.h)
+        trials.times.append(step.end)
         trials.errors.append(errors)
         trials.amplitudes.append(np.abs(momenta[2:] @ modes.shapes).max(axis=0) / modes.omega)
         trials.rigid.append(rigid[:2])
@@ -182,20 +208,25 @@ class HalvedSteps:
         if np.abs(rest / self.unit).max() > np.abs(trials.rest / self.unit).max():
             trials.rest = rest
 
-    def _measure(self) -> None:
+    def _measure(self, reached: Reached) -> None:
         """Measure how large the motion is."""
         assert self._start is not None
-        start, state, trials = self._start, self.twin.state, self.trials
+        start, state, trials = self._start, reached.state, self.trials
         far = np.square(state.r - start.r).sum(axis=1).max()
         chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
         trials.moved = np.maximum(trials.moved, [math.sqrt(far), 2.0 * math.sqrt(chord.max())])
-        trials.forces = np.maximum(trials.forces, _largest(self.twin.snapshot().section_force))
+        trials.forces = np.maximum(trials.forces, _largest(reached.section_force))
 
     def _away(self, state: State, better: State) -> Floats:
         """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
         pose = np.empty((len(state.r), 6))
         self._differences.call(better.r, better.q, state.r, state.q, pose)
         return pose
+
+
+def _reached(integrator: Integrator) -> Reached:
+    """Return where an integrator is."""
+    return Reached(integrator.state, integrator.snapshot().section_force)
 
 
 def _largest(section_force: Floats) -> Floats:

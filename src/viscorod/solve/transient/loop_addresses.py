@@ -9,7 +9,7 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.linear.factors import Factors
-from viscorod.solve.transient.integrators import step_loop
+from viscorod.solve.transient.integrators import kernel_results
 from viscorod.solve.transient.integrators.loop_data import Addresses, LoopModel, LoopState, LoopSystems
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
@@ -53,46 +53,46 @@ def find_addresses(
     reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
     places = integrator.systems.real.places
     return Addresses(
-        address_of(integrator.trying, step_loop.ATTEMPTED, lambda: integrator.step_arguments(h)),
+        address_of(integrator.trying, kernel_results.ATTEMPTED, lambda: integrator.step_arguments(h)),
         address_of(
             integrator.systems.real.reduction,
-            step_loop.NUMBER,
+            kernel_results.NUMBER,
             lambda: (systems.real, *places, *_factored(real)),
         ),
         address_of(
             integrator.systems.pairs.reduction,
-            step_loop.NUMBER,
+            kernel_results.NUMBER,
             lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
         ),
         address_of(
             integrator.systems.combination,
-            step_loop.NOTHING,
+            kernel_results.NOTHING,
             lambda: (K, C, mass, h, *where, real_rows, systems.real),
         ),
         address_of(
             integrator.systems.pair_combination,
-            step_loop.NOTHING,
+            kernel_results.NOTHING,
             lambda: (K, C, mass, complex(h), *where, pair_rows[0], systems.pairs[0]),
         ),
         address_of(
             integrator.predictor.extrapolation,
-            step_loop.NOTHING,
+            kernel_results.NOTHING,
             lambda: (tableau, model.gap, last, h, *sides, given.weights, stages.X, given.stages_stress),
         ),
-        address_of(integrator.turned, step_loop.TURNED, lambda: (stages.X[0],)),
+        address_of(integrator.turned, kernel_results.TURNED, lambda: (stages.X[0],)),
         address_of(
             KnownTypes(motion_extent),
-            step_loop.EXTENT,
+            kernel_results.EXTENT,
             lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
         ),
         address_of(
             integrator.recorder.ending,
-            step_loop.ENDED,
+            kernel_results.ENDED,
             lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
         ),
         address_of(
             integrator.recorder.reading_between,
-            step_loop.NOTHING,
+            kernel_results.NOTHING,
             lambda: (
                 np.zeros(1),
                 h,

@@ -17,7 +17,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient import amplitude
-from viscorod.solve.transient.halved_steps import LONGER, SETTLED, HalvedSteps
+from viscorod.solve.transient.halved_steps import HalvedSteps, Reached, TriedStep
 from viscorod.solve.transient.integrators import loop_data, step_loop
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
@@ -26,10 +26,11 @@ from viscorod.solve.transient.integrators.record_kernels import (
     Between,
     StepEnd,
 )
-from viscorod.solve.transient.integrators.stage_data import StepStart
+from viscorod.solve.transient.integrators.stage_data import Matrices, StepStart
 from viscorod.solve.transient.loop_addresses import find_addresses
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
+from viscorod.solve.transient.trial_choice import LONGER, SETTLED
 from viscorod.typing import Floats
 
 __all__ = ["ManySteps", "Taken"]
@@ -114,13 +115,15 @@ class ManySteps:
             np.zeros((3, MOST_STEPS), dtype=np.int64),
             np.zeros((MOST_STEPS + 1, 4)),
             np.zeros(rows),
-            np.zeros(rows),
+            np.full(rows + 1, 0.5),
             np.zeros(rows, dtype=np.int64),
-            Between.of(rows + loop_data.MARKS, n, points, supports),
+            Between.of(rows + loop_data.EXTRA_ROWS, n, points, supports),
             np.zeros(loop_data.MARKS, dtype=np.int64),
+            np.zeros((loop_data.MOST_TRIALS, 4)),
         )
         self._clock, self._trials = np.zeros(loop_data.CLOCK), np.zeros(loop_data.TRIALS)
         self._numbers = np.zeros(loop_data.NUMBERS, dtype=np.int64)
+        self._backup = _backup(self._state, lent.parts.matrices, self._clock)
         self._limits = np.zeros(loop_data.LIMITS)
         order = float(integrator.estimate_order + 1)
         self._follows = type(integrator.tolerance) is PartOfMotion
@@ -138,6 +141,7 @@ class ManySteps:
             LEAST_STEP * duration,
             s + 1,
             100.0,
+            0.0,
         )
         self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
         self._addresses: loop_data.Addresses | None = None
@@ -195,6 +199,8 @@ class ManySteps:
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
             trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
+            twin: Any = halved.twin
+            self._limits[loop_data.HALF] = twin.half_tolerance
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: loop_data.MARKS]
@@ -217,12 +223,32 @@ class ManySteps:
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
-        rows = len(self._batch.states.r) - loop_data.MARKS
+        rows = len(self._batch.states.r) - loop_data.EXTRA_ROWS
 
         def state(k: int) -> Snapshot:
             return self._states(slice(rows + k, rows + k + 1)).at(0)
 
         return [(mark, partial(state, k)) for k, mark in enumerate(marks) if mark <= len(taken.ends)]
+
+    def tried(self) -> dict[int, TriedStep]:
+        """Return the steps that were tried again, and whose halves came to their ends, by their numbers from 0."""
+        batch, found = self._batch, {}
+        first = len(batch.states.r) - loop_data.EXTRA_ROWS + loop_data.MARKS
+        for number, end, h, complete in batch.trials[: self._numbers[loop_data.TRIED]].tolist():
+            start, middle, whole, better_middle, better = (
+                self._reached(first + k) for k in range(loop_data.TRIAL_ROWS)
+            )
+            first += loop_data.TRIAL_ROWS
+            if complete:
+                steps = (start.state.twist, middle, whole, better_middle, better)
+                found[int(number)] = TriedStep(end, h, *steps)
+        return found
+
+    def _reached(self, row: int) -> Reached:
+        """Return the state in a row, and its section forces."""
+        found = self._batch.states
+        state = State(found.r[row], found.q[row], found.twist[row], self.integrator.state.multiplier)
+        return Reached(state, found.fields.points[2, row])
 
     def limit(self, taken: Taken, k: int) -> str:
         """Return what limited the ``k``-th step, in words."""
@@ -257,6 +283,7 @@ class ManySteps:
             self.control.numbers,
             self._trials,
             self._batch,
+            self._backup,
         )
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
@@ -348,11 +375,13 @@ class ManySteps:
         moved = t > self._began
         course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
         self.integrator.take_back(now, course)
+        if numbers[loop_data.LOST] and factor_step > 0.0:
+            self.integrator.systems.want(self.integrator.matrices, factor_step)
         self.integrator.newton_tolerance = float(self._limits[loop_data.NEWTON])
         if moved:
             end = StepEnd(*(field.copy() for field in given.end))
             start = old, self._points[0].copy(), self._reactions[0].copy()
-            h, _, *energies, strain = clock[loop_data.LAST_STEP :].tolist()
+            h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.HAD].tolist()
             kinetic, elastic, work, loss = energies
             self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
 
@@ -375,10 +404,25 @@ class ManySteps:
     def _call_renew(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
         self.integrator.renew_jacobian()
+        self.integrator.jacobians -= int(message[3])  # those of halves do not count
 
     def _call_prepare(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
         self.integrator.prepare_step(float(message[1]), bool(message[2]))
+
+
+def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> loop_data.Backup:
+    """Return what steps go on from, as rows of numbers."""
+    now, last, kept, end = state.now, state.last, state.kept, state.end
+    K, C, mass, adjoint, directions, operators = matrices
+    arrays = (
+        *(clock, now.r, now.q, now.twist, last.r, last.q, last.twist, state.points, state.reactions),
+        *(*kept, *end, state.follows.numbers),
+        *(K, C, mass, adjoint, *directions, *operators),
+    )
+    live = tuple(array.reshape(-1) for array in arrays)
+    size = sum(map(len, live))
+    return loop_data.Backup(live, np.zeros(size), np.zeros(size))
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:

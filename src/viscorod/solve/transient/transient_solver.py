@@ -275,20 +275,20 @@ class Transient:
 
     def _take_many(self, many: ManySteps) -> bool:
         """Take compiled steps until one is to be taken by itself; False if the run ends."""
-        effort, halved, notes, t = self.effort, self.halved, self._notes, self.integrator.t
-        if not many.ready:
-            return True
-        tried = halved is not None and halved.tries(effort.steps, self.control.next_end(t) - t)
-        if tried or (halved is not None and halved.waiting):
+        effort, halved, notes = self.effort, self.halved, self._notes
+        if not many.ready or (halved is not None and halved.waiting):
             return True
         before, after = self.account, self.account.copy()
         marks = [] if notes is None else notes.coming(MOST_STEPS)
         taken = many.take(effort.steps, marks, halved, before)
         effort.iterations += taken.iterated
         effort.rejected += taken.rejected
+        tried = many.tried()
         for k, h in enumerate(taken.lengths):
             if halved is not None:
                 halved.passed(effort.steps, h)
+                if k in tried:
+                    halved.take(effort.steps, tried[k])
             effort.steps += 1
             if h < effort.smallest_step:
                 effort.smallest_step, effort.smallest_at = h, taken.starts[k]

@@ -18,6 +18,7 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.transient.integrators import momentum_balance
+from viscorod.solve.transient.integrators.kernel_results import NOTHING, NUMBER
 from viscorod.solve.transient.integrators.momentum_balance import (
     ASSEMBLED,
     BalanceBody,
@@ -178,12 +179,12 @@ class BalanceIteration:
         return (
             address_of(
                 self._assembly,
-                momentum_balance.NOTHING,
+                NOTHING,
                 lambda: (elements, group, points, *where, True, now.maps, True, out),
             ),
             address_of(
                 matrix.solver.reduction,
-                momentum_balance.NUMBER,
+                NUMBER,
                 lambda: (now.blocks, *matrix.solver.places, *given),
             ),
             rest,

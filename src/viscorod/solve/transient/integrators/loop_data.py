@@ -15,23 +15,34 @@ from viscorod.solve.transient.integrators.stage_data import (
 )
 from viscorod.typing import Floats, Integers
 
-T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN, CLOCK = range(11)
+T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
+HAD, WAS_FRESH, CLOCK = range(10, 13)
 """Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s], its rotation
-[rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end."""
+[rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end; ``HAVE`` and ``FRESH`` of a
+state that is put back."""
 
-HAVE, FRESH, MOST, STEPS, ROWS, REJECTED, ITERATED, EVALUATED, FACTORISED, NUMBERS = range(10)
-"""Places among the numbers: whether there is a Jacobian, and one of the present step; most steps; then counts."""
+HAVE, FRESH, LOST, MOST, STEPS, ROWS, REJECTED, ITERATED, TRYING, TRIED, EVALUATED, FACTORISED, NUMBERS = (
+    range(13)
+)
+"""Places among the numbers: whether there is a Jacobian, and one of the present step, and whether its factors are lost;
+most steps; then counts, among them the steps that are tried again, beside whether the present one is."""
 
 TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
-STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, LIMITS = range(6, 16)
+STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, HALF, LIMITS = range(6, 17)
 """Places among the limits: of the error and of Newton's method; the least of the latter if they follow the motion, else
 0, and the factors and the power with which they do; convergence rate from which on a Jacobian is stale, iterations,
 rotation [rad], power of the step in the error; time between records (0: within every step), duration and smallest step
-[s], least records of a step, largest strain."""
+[s], least records of a step, largest strain; limit of Newton's method in halves of steps."""
 
 NEXT, SETTLED, LONGER, FIRST, TRIALS = range(5)
 """Places among the trials: number of the next step that is tried again; from which number on one that is longer than
 what follows is; number of the first step."""
+
+FIRST_HALF, SECOND_HALF, WHOLE = range(3)
+"""What is taken: halves of a step that is tried again, or a step of the motion."""
+
+START, MIDDLE, END, BETTER_MIDDLE, BETTER_END, TRIAL_ROWS = range(6)
+"""States that are kept of a step that is tried again: its own, then those of its halves."""
 
 REACHED, FULL, ASK, BROKEN, RAISED = range(5)
 """Why a loop ends: at the corner; enough steps, or arrays are full; the next attempt is Python's; strains are out of
@@ -90,8 +101,11 @@ class LoopState(NamedTuple):
     follows: Follows
 
 
-MARKS = 8
-"""States at the ends of steps, beside the records, that a loop keeps at most."""
+MARKS, MOST_TRIALS = 8, 8
+"""States at the ends of steps, beside the records, and steps that are tried again, that a loop keeps at most."""
+
+EXTRA_ROWS = MARKS + TRIAL_ROWS * MOST_TRIALS
+"""States beside the records."""
 
 
 class Batch(NamedTuple):
@@ -100,9 +114,11 @@ class Batch(NamedTuple):
     Attributes:
         ends, lengths: of the steps [s]; iterations, limits, unknowns: of each (integers ``(3, steps)``).
         accounts: before the first and after every step: kinetic, elastic, viscous, external ``(steps + 1, 4)``.
-        instants, places: of the records [s], 0 to 1 in their steps; of_step: number of the step.
-        states: of the records, and in the last :data:`MARKS` rows of the ends of some steps: the ``marks``, numbers of
-            steps in ascending order.
+        instants, places: of the records [s], 0 to 1 in their steps, and 0.5; of_step: number of the step.
+        states: of the records; in the last :data:`EXTRA_ROWS` rows first of the ends of some steps: the ``marks``,
+            numbers of steps in ascending order; then of the steps that are tried again.
+        trials: of these: number of the step in the loop, end and length [s], whether the halves came to their end
+            ``(k, 4)``.
     """
 
     ends: Floats
@@ -114,12 +130,21 @@ class Batch(NamedTuple):
     of_step: Integers
     states: Between
     marks: Integers
+    trials: Floats
+
+
+class Backup(NamedTuple):
+    """What steps go on from, as one row of numbers each: the arrays themselves, and what they were in two states."""
+
+    live: tuple[Floats, ...]
+    before: Floats
+    after: Floats
 
 
 class Addresses(NamedTuple):
     """Where the kernels are, and Python functions; 0 where nothing changes in the loads.
 
-    ``message (4,)`` tells Python the time, the end of the step and whether it is a corner.
+    ``message (4,)`` tells Python the time, the end of the step, whether it is a corner, and whether it is a half.
     """
 
     step: int

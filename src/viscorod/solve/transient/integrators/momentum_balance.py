@@ -12,8 +12,6 @@ from __future__ import annotations
 import math
 from typing import Any, NamedTuple
 
-from numba import types
-
 from viscorod.mechanics.compilation.by_address import far
 from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import exact_part, kernel, lane_kernel
@@ -34,6 +32,7 @@ from viscorod.solve.transient.integrators.iteration_verdict import (
     NOT_FINITE,
     SLOW,
 )
+from viscorod.solve.transient.integrators.kernel_results import NOTHING, NUMBER
 from viscorod.typing import Floats, Integers
 
 __all__ = ["solve_balance"]
@@ -50,9 +49,6 @@ LAST, TOLERANCE = range(2)
 
 ASSEMBLED, SOLVED = 0.0, 1.0
 """What Python is called back after."""
-
-NOTHING, NUMBER = types.none, types.int64
-"""What the kernels return."""
 
 _assemble: Any = far(assemble, NOTHING)
 _reduce: Any = far(reduce, NUMBER)

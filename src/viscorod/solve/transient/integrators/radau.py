@@ -70,7 +70,12 @@ class Radau(Collocation):
 
     def begin_half(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        self.newton_tolerance = max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
+        self.newton_tolerance = self.half_tolerance
+
+    @property
+    def half_tolerance(self) -> float:
+        """What the iteration may leave in a half of a step."""
+        return max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         self._turn, node = self.turned.call(self.stages.X[self._last])
