@@ -188,6 +188,52 @@ def test_maxwell_branches_have_an_adjoint():
         assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
 
 
+@pytest.mark.parametrize("seed", range(6))
+def test_random_models_have_the_gradient_of_neighbours(seed):
+    """Neighbours of random models: sections, laws, bodies, springs, rest strains, a drive, a moving clamp."""
+    rng = np.random.default_rng(seed)
+    model, modulus = vr.Model(), float(10.0 ** rng.uniform(6.0, 7.0))
+    times = sorted(rng.uniform(0.002, 0.02, 2).tolist())
+    prony = vr.Prony(shear_ratios=[0.3, 0.1], shear_times=times, constant="bulk_modulus")
+    damping = prony if rng.random() < 0.4 else vr.KelvinVoigt(*times)
+    model.materials["rubber"] = material = vr.Material(
+        modulus, poissons_ratio=float(rng.uniform(0.2, 0.48)), density=1100.0, damping=damping
+    )
+    end = np.array([0.3, *rng.uniform(-0.1, 0.1, 2)])
+    section = vr.Rectangle(*rng.uniform(0.008, 0.02, 2).tolist())
+    orders = {"elements": int(rng.integers(1, 4)), "order": int(rng.integers(2, 5))}
+    model.add("beam", vr.Rod.straight((0, 0, 0), tuple(end), section=section, material=material, **orders))
+    model.clamp("beam.start", motion={"uz": vr.Sine(4.0, amplitude=0.01)} if rng.random() < 0.5 else None)
+    model.gravity(tuple(rng.normal(size=3) * 4.0))
+    size = 1e-10 * modulus
+    model.force("beam.end", tuple(rng.normal(size=3) * size), until=0.0)
+    model.moment("beam.end", tuple(rng.normal(size=3) * 0.1 * size), time=vr.Sine(5.0), following=True)
+    keys = [E, "rods.beam.section.width", "materials.rubber.density", "loads[2].value[1]"]
+    if rng.random() < 0.5:
+        model.add("tip", vr.Body(mass=0.02, centre=tuple(end + 0.01), inertia=(2e-6, 3e-6, 4e-6)))
+        model.attach("beam.end", "tip")
+        keys.append("bodies.tip.mass")
+    if rng.random() < 0.5:
+        model.rest_strain("beam", (0, 0, 0, *(rng.normal(size=3) * 0.5)))
+        keys.append("rest_strains[0].value[3]")
+    if rng.random() < 0.5:
+        model.spring("beam.end", "ground", stiffness={"ux": 30.0 * size, "uy": 20.0 * size})
+    given, seen = {"duration": 0.06, "output_interval": 0.013}, {}
+
+    def scalar(run):
+        weights = seen.setdefault("weights", random_weights(run, [1, -1], seed=seed))
+        return value_of(run, weights), weights
+
+    function = model.value_and_gradient(keys, scalar, adjoint=True, **given)
+    _, gradient = function(function.values)
+    assert function.way == "adjoint"
+    run = model.simulate(**given, derivatives=keys)
+    for key, found in zip(keys, gradient, strict=True):
+        parts = [seen["weights"][name] * run.derivatives[key].data[name].values for name in STORED]
+        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
+        assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
+
+
 @pytest.mark.parametrize("part", ["joint", "place", "integrator"])
 def test_what_has_no_adjoint_has_the_gradient_of_neighbours(part):
     """The same numbers, and the function tells the way."""
