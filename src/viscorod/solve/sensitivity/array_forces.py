@@ -48,18 +48,24 @@ class ArrayForces:
         self.operators = [Operators(*arrays) for arrays in zip(self.B, force, viscous, strict=True)]
         self.weights = elements.half_lengths[:, None] * elements.weights[elements.order]
         self._times: list[tuple[float, bool]] = [(0.0, False)] * stages
-        self._fall = np.zeros((stages, self.problem.size, 6))
+        self._gravity, self._fall = np.zeros((stages, 3)), np.zeros((stages, self.problem.size, 6))
         self._scale = np.zeros((stages, len(actions.system.constraints.scale)))
         self._step: StageRecord
 
-    def take(self, step: StageRecord, i: int, t: float, before: bool, scale: Floats) -> None:
-        """Take stage ``i`` of a step, at ``t`` [s], whose operators are written; ``scale``: of the multipliers."""
-        self._step, self._times[i] = step, (t, before)
+    def take(self, i: int, t: float, before: bool, scale: Floats) -> None:
+        """Take the loads of stage ``i`` at ``t`` [s]; ``scale``: of the multipliers."""
+        self._times[i] = t, before
         self._scale[i] = scale
-        self._fall[i] = step.acceleration[i]  # gravity is an acceleration of the whole model the other way
-        gravity = self.actions.loads.at(t, before).gravity
-        if np.any(gravity):
-            self._fall[i, :, :3] -= np.einsum("nji,j->ni", matrices(step.q[i]), gravity)
+        self._gravity[i] = self.actions.loads.at(t, before).gravity
+
+    def begin(self, step: StageRecord) -> None:
+        """Take a step, whose stages have been taken and whose operators are written."""
+        self._step = step
+        self._fall = step.acceleration  # gravity is an acceleration of the whole model the other way
+        if self._gravity.any():
+            turns = matrices(step.q.reshape(-1, 4)).reshape(*step.q.shape[:2], 3, 3)
+            self._fall = self._fall.copy()
+            self._fall[..., :3] -= np.einsum("snji,sj->sni", turns, self._gravity)
 
     def force(self, changes: ArrayChanges) -> Floats:
         """Return the changes ``(s, N, 6)`` of the balances with the arrays, at constant motion and multipliers."""

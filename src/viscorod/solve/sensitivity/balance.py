@@ -137,10 +137,10 @@ class Balance:
 
 
 def gyroscopic(mass: Floats, x: Floats) -> Floats:
-    """Return the derivatives ``(n, 6, 6)`` of ``L1(x) M x`` by the twists ``x (n, 6)``, with ``L1(x) = -ad(x)^T``."""
-    momentum = np.einsum("nij,nj->ni", mass, x)
-    found: Floats = -np.swapaxes(adjoint_map(x), 1, 2) @ mass
-    found -= np.einsum("na,kab->nbk", momentum, _AXES)
+    """Return the derivatives ``(..., n, 6, 6)`` of ``L1(x) M x`` by twists ``x (..., n, 6)``, ``L1(x) = -ad(x)^T``."""
+    momentum = (mass @ x[..., None])[..., 0]
+    found: Floats = -np.swapaxes(adjoint_map(x), -1, -2) @ mass
+    found -= np.einsum("...na,kab->...nbk", momentum, _AXES)
     return found
 
 

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
 
 import numpy as np
 from scipy.linalg import solve_triangular
@@ -162,33 +161,27 @@ class StageSolver:
 
     def _precondition(self, residual: Floats) -> Floats:
         """Return the changes ``(s, N, 6)`` that take away a residual of the mean Jacobian."""
-        T, flat = self.tableau.to_modes, residual.reshape(len(residual), -1)
-        back = self.tableau.to_stages
-        found = np.zeros_like(flat)
+        modes = self.tableau.to_modes @ residual.reshape(len(residual), -1)
         for k, solver in enumerate(self._solvers):
             if k == 0:
-                x: Any = self._rows[0] * (T[0] @ flat)
-                solver.solve(x)
-                found += back[:, 0, None] * x
+                modes[0] *= self._rows[0]
+                solver.solve(modes[0])
             else:
-                x = self._rows[k] * ((T[2 * k - 1] + 1j * T[2 * k]) @ flat)
+                x = self._rows[k] * (modes[2 * k - 1] + 1j * modes[2 * k])
                 solver.solve(x)
-                found += back[:, 2 * k - 1, None] * x.real + back[:, 2 * k, None] * x.imag
-        return np.asarray((found * self._scales).reshape(residual.shape))
+                modes[2 * k - 1], modes[2 * k] = x.real, x.imag
+        return np.asarray(((self.tableau.to_stages @ modes) * self._scales).reshape(residual.shape))
 
     def _precondition_transposed(self, weights: Floats) -> Floats:
         """Return the transpose of :meth:`_precondition` times ``weights (s, N, 6)``."""
-        T, back = self.tableau.to_modes, self.tableau.to_stages
-        flat = weights.reshape(len(weights), -1) * self._scales
-        found = np.zeros_like(flat)
+        modes = self.tableau.to_stages.T @ (weights.reshape(len(weights), -1) * self._scales)
         for k, solver in enumerate(self._solvers):
             if k == 0:
-                x: Any = back[:, 0] @ flat
-                solver.solve(x, transposed=True)
-                found += T[0][:, None] * (self._rows[0] * x)
+                solver.solve(modes[0], transposed=True)
+                modes[0] *= self._rows[0]
             else:
-                x = (back[:, 2 * k - 1] - 1j * back[:, 2 * k]) @ flat
+                x = modes[2 * k - 1] - 1j * modes[2 * k]
                 solver.solve(x, transposed=True)
                 x *= self._rows[k]
-                found += T[2 * k - 1][:, None] * x.real - T[2 * k][:, None] * x.imag
-        return found.reshape(weights.shape)
+                modes[2 * k - 1], modes[2 * k] = x.real, -x.imag
+        return np.asarray((self.tableau.to_modes.T @ modes).reshape(weights.shape))

@@ -91,8 +91,11 @@ class StepLinearisation:
         self.actions.system.impose_rest(Imposed(1.0, step.t, False))
         self.K.fill(0.0)
         self.C.fill(0.0)
+        turning = gyroscopic(self.body.mass, step.twist)
+        self.C[:, self.problem.pattern.diagonal[: self.problem.size]] += np.swapaxes(turning, 2, 3)
         for i, t in enumerate(step.times):
             self._linearise_stage(step, i, float(t), step.before and i == last)
+        self.arrays.begin(step)
         speeds = _weighted(rates, step.X)
         self._write_maps.call(step.X, speeds, self.body.split, self.body.held, *self._maps)
         self._turned = _turned_corrections(self.actions, step, self.body.partly)
@@ -123,7 +126,6 @@ class StepLinearisation:
             held = (body.elements.order, operators.strain) if len(self.problem.held.place) else None
             constraints.add_tangent(state, self._still, K, C, moving=True, held=held)
         actions.add_load_stiffness(t, state, self._still, K, C, before=before)
-        C[pattern.diagonal[: self.problem.size]] += np.swapaxes(gyroscopic(body.mass, state.twist), 1, 2)
         actions.move_supports(t, before=before)
         self.mass[i] = body.mass
         directions = self._directions[i]
@@ -143,7 +145,7 @@ class StepLinearisation:
         for m, k in self._fixed:
             held_rows = body.supports.fixed[m] != 0.0
             K[pattern.diagonal[k]][:, held_rows] = directions.G[m][held_rows].T
-        self.arrays.take(step, i, t, before, constraints.scale)
+        self.arrays.take(i, t, before, constraints.scale)
 
     # --- forward
 

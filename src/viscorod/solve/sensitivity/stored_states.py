@@ -75,6 +75,10 @@ class StoredWeights:
             self._instants |= values.any(axis=(1, 2))
         self._stations = np.flatnonzero(looked)
         self._nodes, self._of = np.unique(reader.nodes[self._stations], return_inverse=True)
+        m = len(self._nodes)
+        self._copies = np.tile(np.arange(m), 72)
+        unit = np.eye(36).reshape(36, 1, 2, 3, 6)
+        self._units = np.broadcast_to(unit, (36, m, 2, 3, 6))
         self._passed: list[tuple[Integers, Floats, Floats, Floats]] = []
 
     def seen(self, number: int, state: State, step: StageRecord | None) -> Look | None:
@@ -141,19 +145,17 @@ class StoredWeights:
         Returns:
             their fields ``(72 m, ...)``; by how much they change ``(36, 1)``.
         """
-        change, sizes = np.zeros((2, 36, len(start[0]), 2, 3, 6)), np.empty(36)
+        sizes = np.empty(36)
         for side, ends in enumerate((start, end)):
             speed = max(float(np.abs(ends[2]).max(initial=0.0)), h * float(np.abs(ends[3]).max(initial=0.0)))
             size = PART * max(speed, 1e-6 * self._length / h)
             given = [*[PART * self._length] * 3, *[TURN] * 3, *[size] * 6, *[size / h] * 6]
             sizes[18 * side : 18 * side + 18] = given
-            for c, value in enumerate(given):
-                change[0, 18 * side + c, :, side, c // 6, c % 6] = value
-        change[1] = -change[0]
-        flat = change.reshape(-1, 2, 3, 6)
+        change = self._units * sizes[:, None, None, None, None]
+        flat = np.concatenate([change, -change]).reshape(-1, 2, 3, 6)
         changed = []
         for side, ends in enumerate((start, end)):
-            r, q, twist, rate = (np.tile(part, (72, 1)) for part in ends)
+            r, q, twist, rate = (part[self._copies] for part in ends)
             retract(r, q, np.ascontiguousarray(flat[:, side, 0]), r, q)
             changed.append([r, q, twist + flat[:, side, 1], rate + flat[:, side, 2]])
         return (changed[0], changed[1]), sizes[:, None]
