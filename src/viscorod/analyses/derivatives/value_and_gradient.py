@@ -42,7 +42,7 @@ class ValueAndGradient:
         adjoint: bool = False,
     ) -> None:
         self.model, self.keys = model, tuple(keys)
-        self.way, self._adjoint = "", adjoint
+        self.way, self._adjoint, self._refused = "", adjoint, ""
         self._function, self._analysis, self._settings = function, analysis, settings
         self.numbers = [CaseNumber.of(model, key) for key in self.keys]
 
@@ -84,12 +84,14 @@ class ValueAndGradient:
         from viscorod.analyses.call_arguments import SimulateArguments
         from viscorod.analyses.derivatives.adjoint import UnknownAdjointError, motion_gradient, weights_of
 
+        if self._refused:
+            return self._by_neighbours(model)
         ends: list[float] = []
         asked = self._settings.get("progress")
 
         def progress(end: float, h: float) -> None:
             ends.append(end)
-            if asked is not None:
+            if callable(asked):
                 asked(end, h)
 
         given = {name: value for name, value in self._settings.items() if name != "progress"}
@@ -100,20 +102,22 @@ class ValueAndGradient:
             with one_blas_thread():
                 gradient = motion_gradient(model, SimulateArguments(**given), run, ends, self.keys, weights)
         except UnknownAdjointError as error:
-            self.way = f"neighbours of the model, as many as numbers ask for: {error}"
-            found = model.simulate(**given, derivatives=self.keys)
-            gradient = np.array(
-                [
-                    sum(
-                        float(np.vdot(by, found.derivatives[key].data[name].values))
-                        for name, by in weights.items()
-                    )
-                    for key in self.keys
-                ]
-            )
-        else:
-            self.way = "adjoint"
+            self._refused = str(error)
+            return self._by_neighbours(model)
+        self.way = "adjoint"
         return value, gradient
+
+    def _by_neighbours(self, model: Model) -> tuple[float, Floats]:
+        """Return the same from the derivatives of the whole motion."""
+        from viscorod.analyses.derivatives.adjoint import weights_of
+
+        self.way = f"neighbours of the model, as many as numbers ask for: {self._refused}"
+        run = model.simulate(**self._settings, derivatives=self.keys)
+        value, by_stored = _pair(self._function(run))
+        weights = weights_of(run, by_stored)
+        every = [run.derivatives[key].data for key in self.keys]
+        found = [sum(float(np.vdot(by, data[name].values)) for name, by in weights.items()) for data in every]
+        return value, np.array(found)
 
 
 def _pair(found: Any) -> tuple[float, Mapping[str, Any]]:
