@@ -1,16 +1,19 @@
 """Derivatives by numbers of a case: what they cost, and how far they are from extrapolated differences.
 
     python bench/derivatives.py [models]
-    python bench/derivatives.py cost
+    python bench/derivatives.py cost [adjoint]
 
 ``models`` (200 by default) random models: rods clamped, free, hinged to a second one, with a body, a spring, held
 strains, Maxwell branches, rest strains. Each is differentiated by one of its numbers, in statics, in modes and in a
 motion, beside Richardson-extrapolated differences of whole analyses (motions: equal steps of generalised alpha, or
 Radau IIA with a small tolerance, so that differences see no change of steps). What is compared is the largest error of
 all positions (eigenvalues) over the largest derivative; where a number hardly matters, over the change that rounding
-could make of it.
+could make of it. The gradient of a random scalar of the motion by all of its numbers, by the adjoint (by neighbours
+where a model has none, which is counted), is compared with derivatives of the motion by neighbours, over the root of
+the sum of squares of what adds up.
 
-``cost`` prints processor time with p numbers over that without any, alternating, the least of several.
+``cost`` prints processor time with p numbers over that without any, alternating, the least of several; ``cost
+adjoint`` only that of a motion with the gradient of a misfit of its tip.
 """
 
 from __future__ import annotations
@@ -19,13 +22,14 @@ import sys
 import time
 import warnings
 from collections.abc import Callable
+from functools import partial
 
 import numpy as np
 
 import viscorod as vr
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 
-FLOOR = {"equilibrium": 1e-7, "modes": 1e-7, "simulate": 1e-6}
+FLOOR = {"equilibrium": 1e-7, "modes": 1e-7, "simulate": 1e-6, "adjoint": 1e-6}
 """Wanted relative accuracy."""
 
 
@@ -114,27 +118,59 @@ def compared(model: vr.Model, key: str, kind: str, rng: np.random.Generator) -> 
     return float(np.abs(mine - expected).max() / max(np.abs(expected).max(), noise))
 
 
+def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) -> tuple[float, bool]:
+    """Return the largest error of a gradient, and whether the adjoint found it."""
+    settings = {"duration": 0.05, "output_interval": 0.01}
+    run = model.simulate(**settings, derivatives=keys)
+    names = ("position", "rotation", "velocity", "angular_velocity")
+    weights = {name: rng.normal(size=run.data[name].shape) for name in names}
+
+    def scalar(found: vr.Run) -> tuple[float, dict[str, np.ndarray]]:
+        return sum(float(np.vdot(by, found.data[name].values)) for name, by in weights.items()), weights
+
+    function = model.value_and_gradient(keys, scalar, adjoint=True, **settings)
+    _, gradient = function(function.values)
+    errors = []
+    for key, found in zip(keys, gradient, strict=True):
+        parts = [weights[name] * run.derivatives[key].data[name].values for name in names]
+        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
+        number = CaseNumber.of(model, key)
+        noise = 1e-3 * np.sqrt(sum(float(part.size) for part in parts)) / number.size
+        errors.append(abs(found - sum(float(part.sum()) for part in parts)) / max(size, noise))
+    return max(errors), function.way == "adjoint"
+
+
 def accuracy(count: int) -> None:
     """Print how far derivatives of random models are from extrapolated differences."""
     rng = np.random.default_rng(21)
     errors: dict[str, list[float]] = {kind: [] for kind in FLOOR}
+    adjoints = 0
     for k in range(count):
         model, keys = random_model(rng)
         key = str(rng.choice(keys))
         for kind, found in errors.items():
             try:
-                found.append(compared(model, key, kind, rng))
+                if kind == "adjoint":
+                    error, known = adjoint_error(model, keys, rng)
+                    found.append(error)
+                    adjoints += known
+                else:
+                    found.append(compared(model, key, kind, rng))
             except (vr.SolveError, vr.InputError) as error:
                 print(f"model {k}, {kind} by {key}: {error}")
                 continue
             if found[-1] > FLOOR[kind]:
                 print(f"model {k}, {kind} by {key}: {found[-1]:.1e}")
     for kind, found in errors.items():
+        if not found:
+            continue
         median, most = np.median(found), np.max(found)
         within = np.count_nonzero(np.array(found) <= FLOOR[kind])
         print(
             f"{kind}: {within} of {len(found)} within {FLOOR[kind]:.0e}; median {median:.1e}, largest {most:.1e}"
         )
+
+    print(f"{adjoints} of the gradients by the adjoint")
 
 
 def swing(elements: int) -> vr.Model:
@@ -183,9 +219,42 @@ def cost() -> None:
             print(f"{elements} elements, {kind} ({times[0]:.3f} s): {parts} of it")
 
 
+def misfit(run: vr.Run) -> tuple[float, dict[str, np.ndarray]]:
+    """Return half the sum of squares of the tip's positions, and its derivatives."""
+    weights = np.zeros(run.data.position.shape)
+    weights[:, -1] = run.data.position.values[:, -1]
+    return 0.5 * float((weights**2).sum()), {"position": weights}
+
+
+def cost_of_adjoint() -> None:
+    """Print what the gradient of one scalar costs, by the adjoint and by neighbours."""
+    material = "materials.rubber."
+    arrays = ["youngs_modulus", "damping.shear_time", "damping.bulk_time", "poissons_ratio", "density"]
+    keys = [material + name for name in arrays]
+    keys += ["rods.beam.section.width", "rods.beam.section.height", "loads[1].value[1]"]
+    for elements, duration in ((8, 1.0), (60, 1.0), (8, 20.0), (60, 5.0)):
+        model, settings = swing(elements), {"duration": duration, "output_interval": 0.01 * duration**0.5}
+        cases: dict[str, Callable[[], object]] = {"run": partial(model.simulate, **settings)}
+        for p in (1, 2, 4, 8):
+            f = model.value_and_gradient(keys[:p], misfit, adjoint=True, **settings)
+            cases[f"adjoint, {p}"] = lambda f=f: f(f.values)
+            g = model.value_and_gradient(keys[:p], lambda run: misfit(run)[0], **settings)
+            cases[f"neighbours, {p}"] = lambda g=g: g(g.values)
+        times = dict.fromkeys(cases, np.inf)
+        for _ in range(4):
+            for name, case in cases.items():
+                began = time.process_time()
+                case()
+                times[name] = min(times[name], time.process_time() - began)
+        parts = ", ".join(f"{name}: {t / times['run']:.2f}" for name, t in times.items())
+        print(f"{elements} elements, {duration:.0f} s ({times['run']:.3f} s): {parts}", flush=True)
+
+
 if __name__ == "__main__":
     warnings.simplefilter("ignore")
-    if "cost" in sys.argv:
+    if "adjoint" in sys.argv:
+        cost_of_adjoint()
+    elif "cost" in sys.argv:
         cost()
     else:
         accuracy(int(sys.argv[1]) if len(sys.argv) > 1 else 200)

@@ -14,8 +14,8 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.sensitivity import motion_sensitivity
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
+from viscorod.solve.sensitivity.motion_sensitivity import KeptSteps
 from viscorod.solve.transient.integrators.radau import Radau
-from viscorod.solve.transient.recorded_steps import RecordedSteps
 
 E, TAU = "materials.rubber.youngs_modulus", "materials.rubber.damping.shear_time"
 
@@ -215,7 +215,7 @@ def test_a_motion_changes_as_its_exact_linearisation_says():
     problem = discretise(model)
     method = Radau(GeometricSystem(problem), SupportState(problem), tolerance=1e-8)
     method.iterations = 60
-    steps = RecordedSteps(method)
+    steps = KeptSteps(method)
     steps.start(0.0, State.reference(problem))
     for end in run.ends_of_steps:
         assert steps.attempt(end, before=bool(end == run.ends_of_steps[-1])).converged

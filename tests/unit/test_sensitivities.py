@@ -14,7 +14,10 @@ from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.sensitivity import motion_sensitivity
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
+from viscorod.solve.sensitivity.balance import Balance
 from viscorod.solve.sensitivity.equilibrium_sensitivity import EquilibriumSensitivity, actions_of
+from viscorod.solve.sensitivity.motion_sensitivity import KeptSteps, Look
+from viscorod.solve.sensitivity.stage_records import StageRecord
 from viscorod.solve.sensitivity.step_linearisation import StepLinearisation
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.midpoint import Midpoint
@@ -151,11 +154,11 @@ def test_mass_and_rest_strain_enter_by_gravity_and_by_the_reference():
 
 def test_what_has_no_derivatives_is_refused():
     with pytest.raises(InputError, match="hold rotations of their place in part"):
-        list(motion_sensitivity.forward(RecordedSteps(integrator(arch_with_a_joint())), []))
+        list(motion_sensitivity.forward(KeptSteps(integrator(arch_with_a_joint())), []))
     problem = discretise(swing())
     midpoint = Midpoint(GeometricSystem(problem), SupportState(problem))
     with pytest.raises(InputError, match="midpoint"):
-        list(motion_sensitivity.forward(RecordedSteps(midpoint), []))
+        list(motion_sensitivity.forward(KeptSteps(midpoint), []))
     steps, _ = moved(linked())
     steps.start(steps.times[-1], steps.integrator.state)
     with pytest.raises(InputError, match=r"jump at t = 0.185 s"):
@@ -165,7 +168,7 @@ def test_what_has_no_derivatives_is_refused():
     branches.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=1))
     branches.clamp("beam.start")
     with pytest.raises(InputError, match="Maxwell branches"):
-        EquilibriumSensitivity(*solved(branches))
+        list(motion_sensitivity.forward(KeptSteps(integrator(branches)), []))
 
 
 # --- steps
@@ -250,10 +253,11 @@ def test_a_step_at_rest_is_the_stability_function():
     problem = method.system.problem
     method.start(0.0, State.reference(problem))
     assert method.attempt(h, before=False).converged
-    actions = actions_of(method.system)
-    linear = StepLinearisation(method, actions, h, before=False)
+    linear = StepLinearisation(method)
+    linear.linearise(StageRecord.of(method, h, before=False))
     found = np.vstack(linear.forward(*np.split(np.eye(12 * problem.size), 2)))
-    balance = linear.balances[0]
+    resting = State.reference(problem)
+    balance = Balance(actions_of(method.system), resting, np.zeros_like(resting.twist), 0.0, before=False)
     free = np.repeat(method.body.held == 0.0, 6)
     inverse = np.linalg.inv(block_diagonal(problem.mass).toarray()[free][:, free])
     K, D = (matrix.toarray()[free][:, free] for matrix in (balance.pose, balance.twist))
@@ -270,10 +274,10 @@ def test_a_step_at_rest_is_the_stability_function():
 ENDS = np.cumsum([0.02, 0.015, 0.025, 0.03, 0.02, 0.02, 0.03, 0.025])
 
 
-def moved(model, every=3):
+def moved(model, every=3, memory=10**8):
     """States at the ends of given steps, and the record of these."""
     method = integrator(model)
-    steps = RecordedSteps(method, every)
+    steps = KeptSteps(method, every, memory)
     steps.start(0.0, State.reference(method.system.problem))
     states = [method.state.copy()]
     for number, end in enumerate(ENDS):
@@ -347,10 +351,10 @@ def test_the_adjoint_is_the_forward_derivative(motion):
     _, steps, states, changes, changed = motion
     rng = np.random.default_rng(2)
     looked = {
-        4: rng.normal(size=(2, *states[0].twist.shape)),
-        len(ENDS): rng.normal(size=(2, *states[0].twist.shape)),
+        4: Look(*rng.normal(size=(2, *states[0].twist.shape))),
+        len(ENDS): Look(*rng.normal(size=(2, *states[0].twist.shape))),
     }
-    found = motion_sensitivity.gradient(steps, lambda k, _: looked.get(k))
+    found = motion_sensitivity.gradient(steps, lambda k, *_: looked.get(k))
     for k, change in enumerate(changes):
         expected = sum(
             np.vdot(weights[0], changed[at].pose[k]) + np.vdot(weights[1], changed[at].twist[k])
@@ -367,6 +371,44 @@ def test_the_adjoint_is_the_forward_derivative(motion):
     assert np.vdot(found.pose, start[0]) + np.vdot(found.twist, start[1]) == pytest.approx(expected, rel=1e-9)
 
 
+def test_stages_that_are_computed_again_are_those_that_were_kept(motion):
+    """Identity: with memory for the stages of one step the gradient is the same."""
+    make, steps, states = motion[:3]
+    weights = np.random.default_rng(4).normal(size=(2, *states[0].twist.shape))
+
+    def seen(k, *_):
+        return Look(*weights) if k in (3, len(ENDS)) else None
+
+    whole = motion_sensitivity.gradient(steps, seen)
+    again = motion_sensitivity.gradient(moved(make(), memory=1)[0], seen)
+    for mine, its in zip((*whole.arrays, whole.pose), (*again.arrays, again.pose), strict=True):
+        np.testing.assert_allclose(mine, its, rtol=1e-9, atol=1e-9 * np.abs(its).max(initial=0.0))
+
+
+def test_a_linearised_step_and_its_transpose_have_one_dot_product(motion):
+    """Identity: w . A v = A' w . v, of states and of the arrays of the problem, for random v and w."""
+    steps = motion[1]
+    linear, rng = StepLinearisation(steps.integrator), np.random.default_rng(3)
+    system = steps.integrator.system
+    free = np.repeat(steps.integrator.body.held == 0.0, 6)[:, None]
+    change = ArrayChanges(
+        *(rng.normal(size=part.shape) * part for part in ArrayChanges.none(system.problem, system.elements()))
+    )
+    change.stiffness[:] = rng.normal(size=change.stiffness.shape) * system.elements().stiffness
+    change.mass[:] = rng.normal(size=change.mass.shape) * system.problem.mass
+    change.reference[:] = 1e-2 * rng.normal(size=change.reference.shape)
+    for _, step in steps.stages(1):
+        linear.linearise(step)
+        v, w = rng.normal(size=(2, 2, len(free), 1))
+        v *= free
+        end = linear.forward(*v, [change])
+        start_pose, start_twist, arrays = linear.backward(*w)
+        forward = np.vdot(w[0], end[0]) + np.vdot(w[1], end[1])
+        backward = np.vdot(v[0], start_pose) + np.vdot(v[1], start_twist) + arrays.product(change)
+        size = np.linalg.norm(w) * np.linalg.norm(end)
+        assert abs(forward - backward) < 1e-11 * size
+
+
 def released(stiffer=0.0, dampers=0.0):
     """A cantilever that hangs in equilibrium under a force, which lets go at t = 0; the state at the given ends."""
     section = vr.StiffnessSection((1.0 + stiffer) * C, M, damping=0.01 * (1.0 + dampers) * C)
@@ -376,7 +418,7 @@ def released(stiffer=0.0, dampers=0.0):
     model.force("beam.end", (0.0, 0.02, 0.01), until=0.0)
     solver, state = solved(model)
     method = integrator(model)
-    steps = RecordedSteps(method, every=4)
+    steps = KeptSteps(method, every=4)
     steps.start(0.0, state.copy())
     tips = []
     for end in ENDS:
@@ -404,7 +446,7 @@ def test_a_release_from_equilibrium_changes_by_its_start_too():
         np.testing.assert_allclose(found, expected, atol=1e-7 * np.abs(expected).max())
     weights = np.zeros((2, problem.size, 6))
     weights[0, -1, :3] = rotation(history[-1].state.q[-1])[1]  # the height of the tip at the end
-    gradient = motion_sensitivity.gradient(steps, lambda k, _: weights if k == len(ENDS) else None)
+    gradient = motion_sensitivity.gradient(steps, lambda k, *_: Look(*weights) if k == len(ENDS) else None)
     gradient.arrays.add(start.adjoint(gradient.pose))
     for k, change in enumerate(changes):
         expected = np.vdot(weights[0], history[-1].pose[k])

@@ -181,6 +181,8 @@ class Model(Inspected):
         keys: Sequence[str],
         function: Callable[[Any], Any],
         analysis: str = "simulate",
+        *,
+        adjoint: bool = False,
         **settings: Any,
     ) -> ValueAndGradient:
         """Make a function of numbers of this model that returns a value and its gradient.
@@ -192,6 +194,9 @@ class Model(Inspected):
             keys: of the numbers, as in ``derivatives``.
             function: what is made of the result: a number, or an array.
             analysis: "simulate", "equilibrium", "modes" or "frequency_response".
+            adjoint: for many numbers of a motion. The function then returns one number and its derivatives by what is
+                stored, ``(value, {"position": array})`` with arrays like ``run.data["position"]``, "rotation",
+                "velocity" or "angular_velocity"; the gradient costs as much however many numbers there are.
             settings: arguments of that analysis.
 
         Returns:
@@ -209,7 +214,11 @@ class Model(Inspected):
                     "analysis", repr(analysis), "it has no derivatives", f"give {' or '.join(DIFFERENTIATED)}"
                 )
             )
-        return ValueAndGradient(self, keys, function, analysis, settings)
+        if adjoint and analysis != "simulate":
+            raise InputError(
+                Fault("adjoint", repr(analysis), "only motions have an adjoint", "leave adjoint out")
+            )
+        return ValueAndGradient(self, keys, function, analysis, settings, adjoint=adjoint)
 
     @takes(LinearArguments)
     def linear(self, call: LinearArguments) -> LinearSystem:

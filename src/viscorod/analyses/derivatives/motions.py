@@ -32,7 +32,7 @@ from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.typing import Floats
 
-__all__ = ["motion_derivatives"]
+__all__ = ["MotionStart", "change_of", "exact_integrator", "motion_derivatives", "require_known"]
 
 TOLERANCE = 1e-8
 """Of a method that has one; it does not choose steps here."""
@@ -58,9 +58,9 @@ def motion_derivatives(
     keys: Sequence[str],
 ) -> dict[str, Derivative[Run]]:
     """Return the derivatives of a motion at all its stored times."""
-    _require_known(settings, run, keys)
-    close = None if settings.integrator in UNEVEN else _change(len(run.ends_of_steps))
-    start = _Start(discrete, settings, run)
+    require_known(settings, run, keys)
+    close = None if settings.integrator in UNEVEN else change_of(len(run.ends_of_steps))
+    start = MotionStart(discrete, settings, run)
     every = [Neighbours.of(model, key, discrete, close) for key in keys]
     histories = _histories(every, settings, start, run)
     found: dict[str, Derivative[Run]] = {}
@@ -75,19 +75,19 @@ def motion_derivatives(
     return found
 
 
-def _change(steps: int) -> float:
+def change_of(steps: int) -> float:
     """Return by which part of it a number changes in a motion of so many steps."""
     return CLOSE * min(1.0, FEW_STEPS / max(steps, 1))
 
 
 def _histories(
-    every: Sequence[Neighbours], settings: SimulateSettings, start: _Start, run: Run
+    every: Sequence[Neighbours], settings: SimulateSettings, start: MotionStart, run: Run
 ) -> list[list[History]]:
     """Return the motions of all neighbours, which go through the steps and the stored times of a run."""
     motions, states = [], []
     for neighbours in every:
         for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
-            integrator = _integrator(one, settings)
+            integrator = exact_integrator(one, settings)
             motions.append(Retraced(one.problem, integrator, run.ends_of_steps, run.time))
             states.append(state)
     stuck = side_by_side(motions, states, settings.duration)
@@ -108,7 +108,7 @@ def _moved(histories: Sequence[History], length: float) -> float:
     return max(float(np.abs(other - first).max()) for other in others) / length
 
 
-def _require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> None:
+def require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> None:
     """Refuse motions that have no derivatives here.
 
     Raises:
@@ -127,7 +127,7 @@ def _require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) ->
             raise InputError(Fault("derivatives", ", ".join(keys), why, f"leave {name} out"))
 
 
-class _Start:
+class MotionStart:
     """Where a motion and its neighbours begin."""
 
     def __init__(self, discrete: DiscreteModel, settings: SimulateSettings, run: Run) -> None:
@@ -137,14 +137,26 @@ class _Start:
         self.strained = not self.given and bool(discrete.problem.initial_strain)
         resting = not self.given and not self.strained and settings.initial == "equilibrium"
         self.change: StaticChange | None = None
-        if resting:
-            still = self.state.copy()
-            still.twist[:] = 0.0
+        still = self.state.copy()
+        still.twist[:] = 0.0
+        if resting and not _as_built(discrete, still):
             try:
                 self.change = StaticChange(discrete, still, Instant())
             except SolveError:
                 if not _free_of_load(discrete, still):
                     raise
+
+    def own(self) -> State:
+        """Return the state that the motion itself starts from; an equilibrium is found to round-off."""
+        discrete, state = self.discrete, self.state.copy()
+        if self.strained:
+            state = State.reference(discrete.problem)
+            discrete.system.given_strain = strain_rods(discrete.system, state)
+        elif self.change is not None:
+            state = self.change.state.copy()
+        if not self.given:
+            state.twist[:] = discrete.problem.initial_twist(state.r, state.q)
+        return state
 
     def states(self, neighbours: Neighbours) -> list[State]:
         """Return the states from which neighbours start."""
@@ -170,14 +182,20 @@ class _Start:
         return state
 
 
+def _as_built(discrete: DiscreteModel, still: State) -> bool:
+    """Return whether a model starts in its reference shape whatever its numbers, even where it could rest elsewhere."""
+    problem = discrete.problem
+    return not problem.rest_strains and not problem.joints.count and _free_of_load(discrete, still)
+
+
 def _free_of_load(discrete: DiscreteModel, state: State) -> bool:
     """Return whether nothing acts on a model, whose reference shape is the equilibrium then."""
     discrete.static.restore(state, 0.0, before=True, scale=1.0)
     return discrete.static.loads.at(0.0, True).none and not discrete.supports.target.any()
 
 
-def _integrator(one: Neighbour, settings: SimulateSettings) -> Integrator:
-    """Return the integrator of a run for a neighbour, with an iteration that goes on nearly to round-off."""
+def exact_integrator(one: Neighbour | DiscreteModel, settings: SimulateSettings) -> Integrator:
+    """Return the integrator of a run for a model, with an iteration that goes on nearly to round-off."""
     method = INTEGRATORS[settings.integrator]
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make
     given: dict[str, Any] = dict(method.parameters)

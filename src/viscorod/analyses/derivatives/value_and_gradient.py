@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
@@ -24,6 +25,10 @@ class ValueAndGradient:
         model: whose numbers vary; keys: of these.
         function: of the result: a number, or an array of any shape.
         analysis: name of the model's method; settings: its arguments.
+        adjoint: the function returns a number, and its derivatives by what is stored.
+
+    Attributes:
+        way: how the last gradient was found, in words.
     """
 
     def __init__(
@@ -33,8 +38,11 @@ class ValueAndGradient:
         function: Callable[[Any], Any],
         analysis: str,
         settings: dict[str, Any],
+        *,
+        adjoint: bool = False,
     ) -> None:
         self.model, self.keys = model, tuple(keys)
+        self.way, self._adjoint, self._refused = "", adjoint, ""
         self._function, self._analysis, self._settings = function, analysis, settings
         self.numbers = [CaseNumber.of(model, key) for key in self.keys]
 
@@ -63,7 +71,70 @@ class ValueAndGradient:
             why = f"{len(self.keys)} numbers are needed, one for each key"
             raise InputError(Fault("values", found, why, f"give those of {', '.join(self.keys)}"))
         model = with_values(self.model, dict(zip(self.keys, map(float, numbers), strict=True)))
+        if self._adjoint:
+            return self._by_adjoint(model)
+        self.way = "derivatives of the result"
         result = getattr(model, self._analysis)(**self._settings, derivatives=self.keys)
         value = np.asarray(self._function(result), dtype=float)
         slopes = [np.asarray(result.derivatives[key].of(self._function)) for key in self.keys]
         return (value if value.ndim else float(value)), np.stack(slopes, axis=-1)
+
+    def _by_adjoint(self, model: Model) -> tuple[float, Floats]:
+        """Return the value of a motion and its gradient, by the adjoint where it is known."""
+        from viscorod.analyses.call_arguments import SimulateArguments
+        from viscorod.analyses.derivatives.adjoint import UnknownAdjointError, motion_gradient, weights_of
+
+        if self._refused:
+            return self._by_neighbours(model)
+        ends: list[float] = []
+        asked = self._settings.get("progress")
+
+        def progress(end: float, h: float) -> None:
+            ends.append(end)
+            if callable(asked):
+                asked(end, h)
+
+        given = {name: value for name, value in self._settings.items() if name != "progress"}
+        run = model.simulate(**given, progress=progress)
+        value, by_stored = _pair(self._function(run))
+        weights = weights_of(run, by_stored)
+        try:
+            with one_blas_thread():
+                gradient = motion_gradient(model, SimulateArguments(**given), run, ends, self.keys, weights)
+        except UnknownAdjointError as error:
+            self._refused = str(error)
+            return self._by_neighbours(model)
+        self.way = "adjoint"
+        return value, gradient
+
+    def _by_neighbours(self, model: Model) -> tuple[float, Floats]:
+        """Return the same from the derivatives of the whole motion."""
+        from viscorod.analyses.derivatives.adjoint import weights_of
+
+        self.way = f"neighbours of the model, as many as numbers ask for: {self._refused}"
+        run = model.simulate(**self._settings, derivatives=self.keys)
+        value, by_stored = _pair(self._function(run))
+        weights = weights_of(run, by_stored)
+        every = [run.derivatives[key].data for key in self.keys]
+        found = [sum(float(np.vdot(by, data[name].values)) for name, by in weights.items()) for data in every]
+        return value, np.array(found)
+
+
+def _pair(found: Any) -> tuple[float, Mapping[str, Any]]:
+    """Return the value and the derivatives that a function returned.
+
+    Raises:
+        InputError: it is something else.
+    """
+    if isinstance(found, tuple) and len(found) == 2 and isinstance(found[1], Mapping):
+        value = np.asarray(found[0], dtype=float)
+        if value.ndim == 0:
+            return float(value), found[1]
+    raise InputError(
+        Fault(
+            "function",
+            type(found).__name__,
+            "with adjoint=True it returns one number and its derivatives by what is stored",
+            'return value, {"position": an array like run.data["position"]}',
+        )
+    )

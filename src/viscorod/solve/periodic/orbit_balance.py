@@ -22,6 +22,7 @@ from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.mechanics.nodes.support_rows import Directions
 from viscorod.mechanics.nodes.support_rows import impose as impose_supports
+from viscorod.mechanics.rotations.adjoint_maps import adjoint_map, series_of_exponential
 from viscorod.mechanics.rotations.nodal_motion import coordinates
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -32,8 +33,6 @@ from viscorod.solve.periodic.orbit_kernels import add_to_orbit, place_orbit
 from viscorod.solve.periodic.orbit_loads import OrbitLoads
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.imposed_strains import Imposed
-from viscorod.solve.sensitivity.balance import adjoint_map
-from viscorod.solve.sensitivity.step_linearisation import series_of_exponential
 from viscorod.solve.transient.integrators.jacobian import project
 from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.typing import Floats

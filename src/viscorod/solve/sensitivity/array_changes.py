@@ -26,6 +26,7 @@ class ArrayChanges(NamedTuple):
         mass: of the nodal inertia ``(n, 6, 6)``.
         reference: of the strains of the unstressed shape ``(elements, points, 6)``; rest strains enter here.
         factors: of the factors of the loads ``(loads,)``, as the model numbers them.
+        branches, times: of stiffnesses ``(sections, n, 6, 6)`` and relaxation times ``(n,)`` of Maxwell branches.
     """
 
     stiffness: Floats
@@ -33,6 +34,8 @@ class ArrayChanges(NamedTuple):
     mass: Floats
     reference: Floats
     factors: Floats
+    branches: Floats
+    times: Floats
 
     @classmethod
     def none(cls, problem: Problem, elements: Elements) -> ArrayChanges:
@@ -43,6 +46,8 @@ class ArrayChanges(NamedTuple):
             np.zeros_like(problem.mass),
             np.zeros_like(elements.reference),
             np.zeros(load_count(problem)),
+            np.zeros((len(elements.stiffness), len(problem.relaxation_times), 6, 6)),
+            np.zeros(len(problem.relaxation_times)),
         )
 
     def product(self, other: ArrayChanges) -> float:

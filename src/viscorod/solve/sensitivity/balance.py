@@ -12,6 +12,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN
 from viscorod.mechanics.nodes.inertia import add_coriolis
+from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
@@ -23,7 +24,7 @@ from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-__all__ = ["Balance", "adjoint_map"]
+__all__ = ["Balance", "gyroscopic"]
 
 
 class Balance:
@@ -79,7 +80,7 @@ class Balance:
         self.residual: Floats = np.concatenate([internal - external + inertia, gaps])
         self.pose = pattern.sparse(self.blocks)
         size = 6 * n
-        self.twist = pattern.sparse(C)[:size, :size] + block_diagonal(self._gyroscopic())
+        self.twist = pattern.sparse(C)[:size, :size] + block_diagonal(gyroscopic(problem.mass, state.twist))
 
     def force(self, changes: ArrayChanges) -> Floats:
         """Return the change ``(N, 6)`` of :attr:`residual` with the arrays, at constant motion and multipliers."""
@@ -134,14 +135,13 @@ class Balance:
         values = law_responses(elements.laws, elements.section, self.strain, self.strain_rate)
         return values[..., BY_STRAIN:BY_RATE].reshape(*self.strain.shape, 6)
 
-    def _gyroscopic(self) -> Floats:
-        """Return the derivatives ``(n, 6, 6)`` of ``L1(x) M x`` by the twists, with ``L1(x) = -ad(x)^T``."""
-        x, M = self.state.twist, self.problem.mass
-        momentum = np.einsum("nij,nj->ni", M, x)
-        found: Floats = -np.einsum("nji,njk->nik", adjoint_map(x), M)
-        for k, unit in enumerate(np.eye(6)):
-            found[:, :, k] -= momentum @ adjoint_map(unit)
-        return found
+
+def gyroscopic(mass: Floats, x: Floats) -> Floats:
+    """Return the derivatives ``(..., n, 6, 6)`` of ``L1(x) M x`` by twists ``x (..., n, 6)``, ``L1(x) = -ad(x)^T``."""
+    momentum = (mass @ x[..., None])[..., 0]
+    found: Floats = -np.swapaxes(adjoint_map(x), -1, -2) @ mass
+    found -= np.einsum("...na,kab->...nbk", momentum, _AXES)
+    return found
 
 
 def _coriolis(mass: Floats, x: Floats) -> Floats:
@@ -151,12 +151,4 @@ def _coriolis(mass: Floats, x: Floats) -> Floats:
     return found
 
 
-def adjoint_map(x: Floats) -> Floats:
-    """Return ``ad(x) = [[w~, v~], [0, w~]]`` of twists or coordinates ``(..., 6)``."""
-    found = np.zeros((*x.shape, 6), dtype=x.dtype)
-    for first, second in ((0, 3), (3, 3), (0, 0)):
-        a = x[..., 3:] if (first, second) != (0, 3) else x[..., :3]
-        for i, j, k in ((0, 1, 2), (1, 2, 0), (2, 0, 1)):
-            found[..., first + i, second + j] = -a[..., k]
-            found[..., first + j, second + i] = a[..., k]
-    return found
+_AXES = adjoint_map(np.eye(6))

@@ -16,15 +16,15 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.sparse_lu import SparseLU
-from viscorod.solve.problem.problem import Problem
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.balance import Balance
+from viscorod.solve.sensitivity.known_models import require_differentiable
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-__all__ = ["EquilibriumSensitivity", "actions_of", "allowed_tangent", "require_differentiable"]
+__all__ = ["EquilibriumSensitivity", "actions_of", "allowed_tangent"]
 
 
 class EquilibriumSensitivity:
@@ -94,20 +94,3 @@ def allowed_tangent(actions: StepActions, balance: Balance) -> tuple[sparse.csc_
         [balance.pose[size:, :size] @ basis, balance.pose[size:, size:]],
     ]
     return sparse.csc_array(sparse.block_array(rows)), sparse.csc_array(sparse.block_diag([basis, ones]))
-
-
-def require_differentiable(problem: Problem) -> None:
-    """Refuse a model with parts whose derivatives by the arrays are not known here.
-
-    Raises:
-        InputError: it has Maxwell branches or loads that are records.
-    """
-    parts = {
-        "Maxwell branches": problem.relaxing,
-        "loads that are records": bool(problem.records),
-    }
-    for part, there in parts.items():
-        if there:
-            raise InputError(
-                f"derivatives are not known for models with {part}; take differences of two runs"
-            )

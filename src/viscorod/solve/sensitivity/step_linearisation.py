@@ -1,14 +1,10 @@
 """The exact linearisation of one collocation step: how its end follows its start and the arrays of the problem.
 
-With the poses ``H_i = H_0 exp(X_i)``, twists ``x_i = T(X_i) sum_j d_ij X_j / h`` and accelerations
-``sum_j d_ij (x_j - x_0)/h`` of the stages, small changes make body increments ``p_i = c_i + T_i dX_i`` of the poses
-with ``c_i = exp(-ad X_i) p_0``, and
-
-    dx_i = sum_j V_ij (p_j - c_j)        V_ij = d_ij/h T_i T_j^-1 + delta_ij W_i T_i^-1        W_i = d(T(X) X_t)/dX
-
-The balances of all stages stay fulfilled: one linear system for the ``p_i`` that supports allow, with the Jacobian of
-these stages in place of the frozen one of the iteration. Both maps of the exponential are power series of ``ad X``,
-which converge fast for the rotations of a step (up to 2 rad); ``W`` is their complex-step derivative.
+The balances of all stages stay fulfilled: one linear system for the body increments ``p_i`` of all stages that supports
+allow and for multipliers, ``K_i p_i + C_i dx_i + M da_i + f_i = 0`` with the Jacobians of these stages, the maps of
+``stage_maps`` and ``da_i = sum_l d_il/h (dx_l - dx_0)``. It is solved by GMRES, preconditioned with what the iteration
+of a step solves with: one real and some complex matrices of the size of the model, here of the mean Jacobian of the
+stages (see ``stage_kernels``). That takes some five iterations.
 """
 
 from __future__ import annotations
@@ -16,72 +12,142 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 import numpy as np
-from scipy import sparse
 
-from viscorod.errors import InputError
-from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.geometric_system import GeometricSystem
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.elements.linearised import Operators
+from viscorod.mechanics.nodes.support_rows import Directions
+from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.solve.formulations.system import State
-from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.problem.imposed_strains import Imposed
+from viscorod.solve.sensitivity import stage_maps
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
-from viscorod.solve.sensitivity.balance import Balance, adjoint_map
-from viscorod.solve.sensitivity.equilibrium_sensitivity import allowed_tangent, require_differentiable
+from viscorod.solve.sensitivity.array_forces import ArrayForces
+from viscorod.solve.sensitivity.balance import gyroscopic
+from viscorod.solve.sensitivity.equilibrium_sensitivity import actions_of
+from viscorod.solve.sensitivity.known_models import require_linearisable
+from viscorod.solve.sensitivity.stage_branches import StageBranches
+from viscorod.solve.sensitivity.stage_records import LookedBack, StageRecord, Weights
+from viscorod.solve.sensitivity.stage_solver import StageSolver
+from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.stage_data import Matrices
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
-__all__ = ["StepLinearisation", "require_linearisable", "series_of_exponential"]
-
-_TERMS = 30
-"""Of the series: the next one is below round-off for rotations of 3 rad."""
-_STEP = 1e-30
-"""Of complex-step derivatives."""
+__all__ = ["StepLinearisation"]
 
 
 class StepLinearisation:
-    """The linearisation of the step that an integrator has attempted, and not accepted yet.
+    """Linearises one step after the other; arrays are allocated once.
 
     Columns of arrays are independent changes. Rows are those of all nodes, ``6 n``; changes are ones that supports
     allow. Multipliers of joints and held strains are unknowns of every stage, and no part of the state.
 
     Args:
-        integrator: after an attempt that converged; actions: of the same model on a system of its own, see
-            ``actions_of``.
-        end: of the step [s]; before: whether loads there are limits from the left.
+        integrator: of the steps.
 
     Attributes:
-        balances: of all stages.
+        arrays: how the balances of the stages change with the arrays of the problem.
     """
 
-    def __init__(self, integrator: Collocation, actions: StepActions, end: float, *, before: bool) -> None:
-        method, stages, links = integrator.tableau, integrator.stages, integrator.stage_constraints
-        h, last, body = end - integrator.t, len(method.nodes) - 1, integrator.body
-        rates = method.derivative / h
-        self._starts, self._mass = rates.sum(axis=1), body.mass
-        self._held = body.held != 0.0
-        actions.system.constraints.near[:] = integrator.system.constraints.near
-        times = [integrator.t + c * h for c in method.nodes[:-1]] + [end]
-        self.balances: list[Balance] = []
-        tangents, self._basis = [], []
-        for i, t in enumerate(times):
-            multiplier = integrator.state.multiplier if links is None else links.arrays.states.multiplier[i]
-            state = State(stages.r[i].copy(), stages.q[i].copy(), stages.twist[i].copy(), multiplier.copy())
-            left = before and i == last
-            self.balances.append(Balance(actions, state, stages.acceleration[i].copy(), t, before=left))
-            tangent, basis = allowed_tangent(actions, self.balances[-1])
-            tangents.append(tangent)
-            self._basis.append(basis)
-        speeds = np.einsum("ij,jna->ina", rates, stages.X)
-        maps = [_maps(X, speed, body.split) for X, speed in zip(stages.X, speeds, strict=True)]
-        self._carry = np.array([carry for carry, _, _ in maps])
-        back = np.array([np.linalg.inv(T) for _, T, _ in maps])
-        self._V = np.einsum("ij,inab,jnbc->ijnac", rates, np.array([T for _, T, _ in maps]), back)
-        for i, (_, _, W) in enumerate(maps):
-            self._V[i, i] += W @ back[i]
-        self._A = np.einsum("il,ljnab->ijnab", rates, self._V)
-        self._factors = SparseLU(self._stage_jacobian(tangents))
-        self._turned = _turned_corrections(actions, self.balances[-1].state, end)
+    def __init__(self, integrator: Collocation) -> None:
+        require_linearisable(integrator)
+        self.tableau, self.body = integrator.tableau, integrator.body
+        self.actions = actions_of(integrator.system)
+        self.problem = problem = integrator.system.problem
+        stages, n, N, b = (
+            len(self.tableau.nodes),
+            problem.size,
+            problem.pattern.size,
+            len(problem.pattern.rows),
+        )
+        self.K, self.C = np.zeros((2, stages, b, 6, 6))
+        self.mass = np.zeros((stages, n, 6, 6))
+        self._directions = [Directions.of(len(self.body.complete)) for _ in range(stages)]
+        self.arrays = ArrayForces(self.actions, stages)
+        dashpots = self._dashpots = integrator.dashpots
+        self.branches = (
+            None if dashpots is None else StageBranches(dashpots, self.arrays.B, self.arrays.weights)
+        )
+        self._maps = np.zeros((4, stages, n, 6, 6))
+        self.solver = StageSolver(problem, self.tableau, self.body, integrator.system.matrix.scales)
+        self._fixed = [(m, int(k)) for m, k in enumerate(self.body.supports.nodes)]
+        self._turned = np.zeros((n, 6, 6))
+        self._still, self._scratch = np.zeros((n, 6, 6)), np.zeros((stages + 1, 6))
+        self._step: StageRecord
+        self._shapes = (stages, n, 6), (stages, N, 6)
+        self._project, self._write_maps = KnownTypes(jacobian.project), KnownTypes(stage_maps.stage_maps)
+        self._follow = KnownTypes(stage_maps.follow_twists)
+        self._follow_back = KnownTypes(stage_maps.follow_twists_transposed)
+        self._balances = KnownTypes(stage_maps.add_balances)
+        self._balances_back = KnownTypes(stage_maps.add_balances_transposed)
+
+    def linearise(self, step: StageRecord) -> None:
+        """Linearise a step."""
+        last = len(step.times) - 1
+        self._rates = rates = self.tableau.derivative / step.h
+        self._starts = rates.sum(axis=1)
+        self.actions.system.constraints.near[:] = step.near
+        self.actions.system.impose_rest(Imposed(1.0, step.t, False))
+        self.K.fill(0.0)
+        self.C.fill(0.0)
+        turning = gyroscopic(self.body.mass, step.twist)
+        self.C[:, self.problem.pattern.diagonal[: self.problem.size]] += np.swapaxes(turning, 2, 3)
+        for i, t in enumerate(step.times):
+            self._linearise_stage(step, i, float(t), step.before and i == last)
+        self.arrays.begin(step)
+        speeds = _weighted(rates, step.X)
+        self._write_maps.call(step.X, speeds, self.body.split, self.body.held, *self._maps)
+        self._turned = _turned_corrections(self.actions, step, self.body.partly)
+        self._step, middle = step, len(step.times) // 2
+        directions, stiffen = self._directions[middle], None
+        if self.branches is not None and self._dashpots is not None:
+            self.branches.take(step.h)
+            parts = self.C[0], self.mass[0], self._still, directions, self.arrays.operators[middle]
+            dashpots = self._dashpots
+
+            def stiffen(K: Floats, mu: complex) -> Floats:
+                return dashpots.add_stiffness(Matrices(K, *parts), mu)
+
+        fields = self.K, self.C, self.mass
+        self.solver.factorise(*fields, step.twist, directions, step.h, stiffen)
+
+    def _linearise_stage(self, step: StageRecord, i: int, t: float, before: bool) -> None:
+        """Write the derivatives of the balance at one stage, rows of supports projected."""
+        actions, body, K, C = self.actions, self.body, self.K[i], self.C[i]
+        system, pattern = actions.system, self.problem.pattern
+        state = State(step.r[i], step.q[i], step.twist[i], step.multiplier[i])
+        operators: Operators = self.arrays.operators[i]
+        system.linearise(state, self._still, step.section_force[i], operators, K, C)
+        constraints = system.constraints
+        if self.problem.constrained:
+            constraints.update(t, before)
+            constraints.add_forces(state, np.zeros_like(state.twist))
+            held = (body.elements.order, operators.strain) if len(self.problem.held.place) else None
+            constraints.add_tangent(state, self._still, K, C, moving=True, held=held)
+        actions.add_load_stiffness(t, state, self._still, K, C, before=before)
+        actions.move_supports(t, before=before)
+        self.mass[i] = body.mass
+        directions = self._directions[i]
+        self._project.call(
+            body.supports,
+            actions.supports.target,
+            step.reaction[i],
+            state.r,
+            state.q,
+            pattern,
+            K,
+            C,
+            self.mass[i],
+            directions,
+            np.zeros(6),
+        )
+        for m, k in self._fixed:
+            held_rows = body.supports.fixed[m] != 0.0
+            K[pattern.diagonal[k]][:, held_rows] = directions.G[m][held_rows].T
+        self.arrays.take(i, t, before, constraints.scale)
+
+    # --- forward
 
     def forward(
         self, pose: Floats, twist: Floats, changes: Sequence[ArrayChanges | None] = ()
@@ -92,23 +158,61 @@ class StepLinearisation:
             pose, twist: at the start ``(6 n, k)``.
             changes: of the arrays of the problem that belong to the columns; none by default.
         """
-        pose, twist = self._free(pose), self._free(twist)
-        carried = self._carry @ self._nodal(pose)
-        rates, accelerations = self._V @ carried, self._A @ carried
-        speed, right = self._nodal(twist), []
-        for i, balance in enumerate(self.balances):
-            pushed = self._mass @ (accelerations[i].sum(axis=0) + self._starts[i] * speed)
-            force = -(pushed.reshape(pose.shape) + balance.twist @ rates[i].sum(axis=0).reshape(pose.shape))
-            force = np.concatenate([force, np.zeros((self._basis[i].shape[0] - len(force), pose.shape[1]))])
-            for k, change in enumerate(changes):
-                if change is not None:
-                    force[:, k] += balance.force(change).ravel()
-            right.append(-(self._basis[i].T @ force))
-        found = np.split(self._factors.solve(np.concatenate(right)), len(right))
-        poses = [(basis @ part)[: len(pose)] for basis, part in zip(self._basis, found, strict=True)]
-        moved = np.array([self._nodal(part) for part in poses]) - carried
-        rate = (self._V[-1] @ moved).sum(axis=0) + self._turned @ self._nodal(poses[-1])
-        return poses[-1], rate.reshape(pose.shape)
+        found = np.zeros((2, *pose.shape))
+        for k in range(pose.shape[1]):
+            change = changes[k] if k < len(changes) else None
+            forces = None if change is None else self.project(self.arrays.force(change))
+            p, x = self.move(pose[:, k], twist[:, k], forces)
+            found[0, :, k], found[1, :, k] = p[-1].ravel(), x[-1].ravel()
+        return found[0], found[1]
+
+    def project(self, forces: Floats) -> Floats:
+        """Project forces of all stages ``(s, N, 6)`` on what supports leave free, in place; held rows become zero."""
+        for directions, force in zip(self._directions, forces, strict=True):
+            for m, k in self._fixed:
+                free = self.body.supports.fixed[m] == 0.0
+                force[k] = np.where(free, directions.Z[m].T @ force[k], 0.0)
+        return forces
+
+    def move(self, pose: Floats, twist: Floats, forces: Floats | None) -> tuple[Floats, Floats]:
+        """Return the changes of poses and twists ``(s, n, 6)`` of all stages.
+
+        Args:
+            pose, twist: changes at the start ``(6 n,)``; forces: of the balances ``(s, N, 6)``, projected.
+        """
+        n = self.problem.size
+        pose, twist = (self._free(values.reshape(n, 6)) for values in (pose, twist))
+        carried = np.einsum("snij,nj->sni", self._maps[0], pose)
+        offset = -self._twists(carried)
+        x0 = _weighted(self._rates, offset) - self._starts[:, None, None] * twist
+        right = np.zeros(self._shapes[1]) if forces is None else forces.copy()
+        pattern, still = self.problem.pattern, np.zeros(self._shapes[1])
+        fields = (self.K, self.C, self.mass)
+        self._balances.call(pattern.rows, pattern.columns, *fields, still, offset, x0, right)
+        p = self.solver.solve(self._apply, -right)[:, :n]
+        x = offset + self._twists(p)
+        x[-1] += np.einsum("nij,nj->ni", self._turned, p[-1])
+        return p, x
+
+    def _twists(self, p: Floats) -> Floats:
+        found = np.empty(self._shapes[0])
+        self._follow.call(self._rates, *self._maps[1:], np.ascontiguousarray(p), self._scratch, found)
+        return found
+
+    def _apply(self, p: Floats) -> Floats:
+        """Return the change of the balances with the increments ``p (s, N, 6)``."""
+        pattern, x, out = self.problem.pattern, self._twists(p), np.zeros(self._shapes[1])
+        acceleration = _weighted(self._rates, x)
+        fields = (self.K, self.C, self.mass)
+        self._balances.call(pattern.rows, pattern.columns, *fields, p, x, acceleration, out)
+        if self.branches is not None:
+            n = self.problem.size
+            memory = np.zeros_like(out)
+            memory[:, :n] = self.branches.forces(p[:, :n])
+            out += self.project(memory)
+        return out
+
+    # --- backward
 
     def backward(self, pose: Floats, twist: Floats) -> tuple[Floats, Floats, ArrayChanges]:
         """Return the derivatives by the start ``(6 n, 1)``, and by the arrays, of a function of the end.
@@ -116,131 +220,91 @@ class StepLinearisation:
         Args:
             pose, twist: derivatives of the function by the poses and twists at the end ``(6 n, 1)``.
         """
-        by_poses = np.swapaxes(self._V[-1], -1, -2) @ self._nodal(twist)
-        by_carried = -by_poses
-        by_poses[-1] += self._nodal(pose) + np.swapaxes(self._turned, -1, -2) @ self._nodal(twist)
-        right = [
-            basis[: len(pose)].T @ by.reshape(pose.shape)
-            for basis, by in zip(self._basis, by_poses, strict=True)
-        ]
-        found = np.split(self._factors.solve(np.concatenate(right), transposed=True), len(right))
-        start_twist, gradient = np.zeros_like(twist), None
-        for i, (balance, basis, part) in enumerate(zip(self.balances, self._basis, found, strict=True)):
-            force = basis @ part
-            nodal = force[: len(pose)]
-            pushed = np.swapaxes(self._mass, -1, -2) @ self._nodal(nodal)
-            start_twist += self._starts[i] * pushed.reshape(pose.shape)
-            by_carried += np.swapaxes(self._V[i], -1, -2) @ self._nodal(balance.twist.T @ nodal)
-            by_carried += np.swapaxes(self._A[i], -1, -2) @ pushed
-            by_arrays = balance.gradient(-force.reshape(-1, 6))
-            if gradient is None:
-                gradient = by_arrays
-            else:
-                gradient.add(by_arrays)
-        assert gradient is not None
-        start_pose = (np.swapaxes(self._carry, -1, -2) @ by_carried).sum(axis=0)
-        return self._free(start_pose.reshape(pose.shape)), self._free(start_twist), gradient
+        weights = Weights(pose.reshape(-1, 6), np.zeros(self._shapes[0]))
+        weights.twists[-1] = twist.reshape(-1, 6)
+        found = self.look_back(weights)
+        gradient = self.arrays.gradient(self.lifted(found.forces))
+        return found.pose.reshape(-1, 1), found.twist.reshape(-1, 1), gradient
 
-    def _stage_jacobian(self, tangents: Sequence[sparse.csc_array]) -> sparse.csc_array:
-        """Return the derivatives of the balances of all stages by the motions that are allowed there."""
-        rows, stages = [], range(len(tangents))
-        for i, balance in enumerate(self.balances):
-            row = []
-            for j in stages:
-                block = balance.twist @ block_diagonal(self._V[i, j]) + block_diagonal(
-                    self._mass @ self._A[i, j]
-                )
-                left, right = (basis[: block.shape[0]] for basis in (self._basis[i], self._basis[j]))
-                allowed = left.T @ block @ right
-                row.append(allowed + tangents[i] if i == j else allowed)
-            rows.append(row)
-        return sparse.csc_array(sparse.block_array(rows))
+    def lifted(self, forces: Floats) -> Floats:
+        """Return derivatives by projected forces ``(s, N, 6)`` as ones by the forces themselves."""
+        found = forces.copy()
+        for directions, force in zip(self._directions, found, strict=True):
+            for m, k in self._fixed:
+                free = self.body.supports.fixed[m] == 0.0
+                force[k] = directions.Z[m] @ np.where(free, force[k], 0.0)
+        return found
 
-    def _nodal(self, values: Floats) -> Floats:
-        """Return values of all nodes ``(n, 6, k)``."""
-        return values.reshape(-1, 6, values.shape[1])
+    def look_back(self, weights: Weights) -> LookedBack:
+        """Return the derivatives of a function by the start and by what the step depends on.
+
+        Args:
+            weights: derivatives of the function by the end.
+        """
+        n, pattern = self.problem.size, self.problem.pattern
+        by_poses = np.zeros(self._shapes[1])
+        by_poses[-1, :n] = weights.pose + np.einsum("nji,nj->ni", self._turned, weights.twists[-1])
+        self._add_twists_back(weights.twists, by_poses)
+        dashpot = weights.dashpot
+        if self.branches is not None and dashpot is not None:
+            by_poses[:, :n] += self.branches.nodal(self.branches.by_end(dashpot), n)
+        forces = -self.solver.solve_transposed(self._apply_transposed, by_poses)
+        by_twist, by_acceleration = np.zeros((2, *self._shapes[0]))
+        unused = np.zeros(self._shapes[1])
+        fields = (self.K, self.C, self.mass)
+        self._balances_back.call(
+            pattern.rows, pattern.columns, *fields, forces, unused, by_twist, by_acceleration
+        )
+        by_offset = weights.twists + by_twist + _weighted(self._rates.T, by_acceleration)
+        by_carried = np.zeros(self._shapes[1])
+        self._add_twists_back(-by_offset, by_carried)
+        start_pose = np.einsum("snji,snj->ni", self._maps[0], by_carried[:, :n])
+        start_twist = -np.tensordot(self._starts, by_acceleration, 1)
+        branches = None
+        if self.branches is not None:
+            dashpot = np.zeros_like(self._step.dashpot) if dashpot is None else dashpot
+            pushed = self.lifted(forces)[:, :n]
+            branches = self.branches.gradient(pushed, dashpot, self._step.strain, self._step.dashpot)
+        return LookedBack(self._free(start_pose), self._free(start_twist), forces, branches)
+
+    def _add_twists_back(self, x: Floats, out: Floats) -> None:
+        self._follow_back.call(self._rates, *self._maps[1:], np.ascontiguousarray(x), self._scratch, out)
+
+    def _apply_transposed(self, y: Floats) -> Floats:
+        """Return the transpose of :meth:`_apply` times ``y (s, N, 6)``."""
+        pattern, out = self.problem.pattern, np.zeros(self._shapes[1])
+        by_twist, by_acceleration = np.zeros((2, *self._shapes[0]))
+        fields = (self.K, self.C, self.mass)
+        self._balances_back.call(pattern.rows, pattern.columns, *fields, y, out, by_twist, by_acceleration)
+        by_twist += _weighted(self._rates.T, by_acceleration)
+        self._add_twists_back(by_twist, out)
+        if self.branches is not None:
+            n = self.problem.size
+            out[:, :n] += self.branches.forces_back(self.lifted(y)[:, :n])
+        return out
 
     def _free(self, values: Floats) -> Floats:
-        """Return values of all nodes ``(6 n, k)``, with zeros for those that are held completely."""
-        return np.asarray(np.where(np.repeat(self._held, 6)[:, None], 0.0, values))
+        """Return values of all nodes ``(n, 6)``, with zeros for those that are held completely."""
+        return np.asarray(np.where(self.body.held[:, None] != 0.0, 0.0, values))
 
 
-def require_linearisable(integrator: Collocation) -> None:
-    """Refuse an integrator or a model whose steps cannot be linearised here.
-
-    Raises:
-        InputError: it is not a collocation method that ends with its last stage, in the geometric formulation, or the
-            model has supports that hold rotations of a node in part, or what has no derivatives in statics.
-    """
-    problem = integrator.system.problem
-    require_differentiable(problem)
-    parts = {
-        "supports that hold rotations of their place in part, or velocities along its own axes": _turn_in_part(
-            integrator.supports
-        ),
-        "the midpoint rule": integrator.ends is not None,
-        "rest strains that change with time": integrator.system.imposed.changes,
-        "the intrinsic formulation": not isinstance(integrator.system, GeometricSystem)
-        or integrator.forces.motion is not None,
-    }
-    for part, there in parts.items():
-        if there:
-            raise InputError(
-                f"derivatives of motions are not known with {part}; take differences of two runs"
-            )
+def _weighted(weights: Floats, values: Floats) -> Floats:
+    """Return sums ``sum_j weights_ij values_j`` over stages."""
+    return np.asarray((weights @ values.reshape(len(values), -1)).reshape(values.shape))
 
 
-def _turn_in_part(supports: SupportState) -> bool:
-    """Return whether any support holds rotations in part: twists at the end of steps are then corrected for them."""
-    held = supports.set.fixed[supports.partial]
-    return bool(held[:, 3:].any() or supports.set.in_body[supports.partial].any())
-
-
-def _turned_corrections(actions: StepActions, state: State, end: float) -> Floats:
+def _turned_corrections(actions: StepActions, step: StageRecord, partly: bool) -> Floats:
     """Return how corrections of twists at the end of a step change with the poses there ``(n, 6, 6)``.
 
     Moving supports that hold displacements correct velocities by what their motion differs from its polynomial: vectors
     that are constant in space, and turn back as the node turns.
     """
-    found: Floats = np.zeros((len(state.r), 6, 6))
-    if len(actions.supports.partial):
-        corrected = state.copy()
-        actions.move_supports(end, before=True)
+    found: Floats = np.zeros((len(step.state.r), 6, 6))
+    if partly:
+        corrected = State(step.r[-1].copy(), step.q[-1].copy(), step.twist[-1].copy())
+        actions.move_supports(float(step.times[-1]), before=True)
         actions.supports.project_twists(corrected)
-        change = np.zeros_like(state.twist)
-        change[:, 3:] = corrected.twist[:, :3] - state.twist[:, :3]
+        change = np.zeros_like(corrected.twist)
+        change[:, 3:] = corrected.twist[:, :3] - step.twist[-1, :, :3]
         found[:, :3, 3:] = adjoint_map(change)[:, 3:, 3:]
     return found
-
-
-def _maps(X: Floats, rate: Floats, split: Floats) -> tuple[Floats, Floats, Floats]:
-    """Return ``exp(-ad X)``, ``T(X)`` and ``d(T(X) X_t)/dX`` ``(n, 6, 6)`` of coordinates with a ``rate (n, 6)``.
-
-    Those of nodes that are ``split`` have displacement and rotation apart (see ``nodal_motion``).
-    """
-    carry, tangent = series_of_exponential(X, split)
-    change = np.empty_like(carry)
-    for k, unit in enumerate(np.eye(6)):
-        slope = series_of_exponential(X + 1j * _STEP * unit, split)[1].imag / _STEP
-        change[:, :, k] = np.einsum("nij,nj->ni", slope, rate)
-    return carry, tangent, change
-
-
-def series_of_exponential(X: Floats, split: Floats, terms: int = _TERMS) -> tuple[Floats, Floats]:
-    """Return ``exp(-ad X)`` and ``T(X)``, the series of ``(-ad X)^k`` over ``k!`` and ``(k + 1)!`` ``(n, 6, 6)``.
-
-    Those of nodes that are ``split`` have displacement and rotation apart (see ``nodal_motion``).
-    """
-    apart = split != 0.0
-    turning = X.copy()
-    turning[apart, :3] = 0.0
-    ad = -adjoint_map(turning)
-    term = np.broadcast_to(np.eye(6, dtype=X.dtype), ad.shape)
-    carry, tangent = term.copy(), term.copy()
-    for k in range(1, terms + 1):
-        term = term @ ad / k
-        carry += term
-        tangent += term / (k + 1)
-    tangent[apart, :3, :3] = carry[apart, :3, :3]
-    carry[apart, :3, 3:] = -carry[apart, :3, :3] @ adjoint_map(X[apart])[:, :3, 3:]
-    return carry, tangent

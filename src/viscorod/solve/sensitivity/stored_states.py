@@ -1,0 +1,227 @@
+"""What a scalar of stored states sees in a motion: derivatives by stations and times as ones by nodes and steps.
+
+States within a step are those of a polynomial through both of its ends (see ``pose_interpolation``). Node by node it
+depends on poses, twists and their rates there; these derivatives are central differences, of what takes microseconds.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
+from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.mechanics.rotations.quaternion import matrices as matrices_of
+from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import StationReader
+from viscorod.solve.sensitivity.motion_sensitivity import Look
+from viscorod.solve.sensitivity.stage_records import StageRecord
+from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.typing import Floats, Integers
+
+__all__ = ["READ", "StoredWeights"]
+
+READ = ("position", "rotation", "velocity", "angular_velocity")
+"""What is stored of stations."""
+TURN = 3e-5
+"""Rotation [rad] of differences."""
+PART = 1e-3
+"""Part of the length of the model, of twists and of their rates: what follows is linear or quadratic in these."""
+
+
+def matrices(q: Floats) -> Floats:
+    """Return the rotation matrices ``(..., 3, 3)`` of unit quaternions ``(..., 4)``."""
+    return matrices_of(q.reshape(-1, 4)).reshape(*q.shape[:-1], 3, 3)
+
+
+class _Nodal(NamedTuple):
+    """Derivatives by body increments of poses, and by twists, of some nodes ``(k, m, 6)`` at some times."""
+
+    pose: Floats
+    twist: Floats
+
+
+class StoredWeights:
+    """Derivatives of a scalar by stored states; ``seen`` is what :func:`~.motion_sensitivity.gradient` asks for.
+
+    Args:
+        reader: of the stations; times: that are stored ``(k,)`` [s], the first one 0.
+        weights: by :data:`READ` ``(k, stations, 3 or 4)``, of those that the scalar looks at.
+        stored: rotations of the stations ``(k, stations, 4)``, whose signs count.
+        split, tableau, length: of the nodes ``(n,)``, of the method, of the model [m].
+    """
+
+    def __init__(
+        self,
+        reader: StationReader,
+        times: Floats,
+        weights: Mapping[str, Floats],
+        stored: Floats,
+        split: Floats,
+        tableau: Tableau,
+        length: float,
+    ) -> None:
+        self.reader, self.times, self.weights, self.stored = reader, times, dict(weights), stored
+        self._split, self._tableau, self._length = split, tableau, length
+        self._interpolate = KnownTypes(interpolate)
+        looked = np.zeros(len(reader.nodes), dtype=bool)
+        self._instants = np.zeros(len(times), dtype=bool)
+        for values in self.weights.values():
+            looked |= values.any(axis=(0, 2))
+            self._instants |= values.any(axis=(1, 2))
+        self._stations = np.flatnonzero(looked)
+        self._nodes, self._of = np.unique(reader.nodes[self._stations], return_inverse=True)
+        m = len(self._nodes)
+        self._copies = np.tile(np.arange(m), 72)
+        unit = np.eye(36).reshape(36, 1, 2, 3, 6)
+        self._units = np.broadcast_to(unit, (36, m, 2, 3, 6))
+        self._passed: list[tuple[Integers, Floats, Floats, Floats]] = []
+
+    def seen(self, number: int, state: State, step: StageRecord | None) -> Look | None:
+        """Return what the scalar sees at the end of a step and within; see :data:`~.motion_sensitivity.Seen`."""
+        if step is None or number == 0:
+            return self._at_end(state, 0) if self._instants[0] else None
+        t, end = step.t, float(step.times[-1])
+        slack = 1e-9 * step.h
+        first, last = np.searchsorted(self.times, [t + slack, end + slack], side="right")
+        inside = [k for k in range(first, last) if self._instants[k]]
+        found = None
+        if inside and abs(self.times[inside[-1]] - end) <= slack:
+            found = self._at_end(state, inside.pop())
+        return self._within(state, step, inside, found) if inside else found
+
+    def _at_end(self, state: State, k: int) -> Look:
+        """Return what is seen in one stored state."""
+        nodes, size = self._nodes, len(state.r)
+        weights = self._nodal(
+            np.array([k]), state.r[None, nodes], state.q[None, nodes], state.twist[None, nodes]
+        )
+        pose, twist = np.zeros((2, size, 6))
+        pose[nodes], twist[nodes] = weights.pose[0], weights.twist[0]
+        return Look(pose, twist)
+
+    def _within(self, state: State, step: StageRecord, inside: list[int], also: Look | None) -> Look:
+        """Return what is seen at the stored times with the numbers ``inside`` of a step, beside what is at its end."""
+        nodes, method, h, old = self._nodes, self._tableau, step.h, step.state
+        m, n = len(nodes), len(old.r)
+        starting = method.start_derivative / h
+        start_rate = np.tensordot(starting, step.twist[:, nodes] - old.twist[nodes], 1)
+        start = [old.r[nodes], old.q[nodes], old.twist[nodes], start_rate]
+        end = [state.r[nodes], state.q[nodes], state.twist[nodes], step.acceleration[-1, nodes]]
+        parts = (self.times[inside] - step.t) / h
+        base = self._states(parts, h, start, end, nodes)
+        weights = self._nodal(np.array(inside), *base)
+        changed, sizes = self._changed(start, end, h)
+        fields = self._states(parts, h, *changed, np.tile(nodes, 72))
+        r, q, twist = (values.reshape(len(parts), 2, 36, m, -1) for values in fields)
+        moved = np.einsum("kmji,kcmj->kcmi", matrices(base[1]), r[:, 0] - r[:, 1])
+        turned = 2.0 * product(conjugate(base[1])[:, None], q[:, 0] - q[:, 1])[..., 1:]
+        sums = np.einsum("kmi,kcmi->cm", weights.pose[..., :3], moved)
+        sums += np.einsum("kmi,kcmi->cm", weights.pose[..., 3:], turned)
+        sums += np.einsum("kmi,kcmi->cm", weights.twist, twist[:, 0] - twist[:, 1])
+        # by pose, twist and rate at the start, then at the end
+        by = np.swapaxes((sums / (2.0 * sizes)).reshape(6, 6, m), 1, 2)
+        pose, end_twist = np.zeros((2, n, 6)) if also is None else np.array([also.pose, also.twist])
+        stages, start_pose, start_twist = np.zeros(step.twist.shape), *np.zeros((2, n, 6))
+        pose[nodes] += by[3]
+        end_twist[nodes] += by[4]
+        start_pose[nodes] = by[0]
+        start_twist[nodes] = by[1] - starting.sum() * by[2]
+        stages[:, nodes] = starting[:, None, None] * by[2]
+        ending = method.derivative[-1] / h
+        stages[:, nodes] += ending[:, None, None] * by[5]
+        start_twist[nodes] -= ending.sum() * by[5]
+        return Look(pose, end_twist, stages, start_pose, start_twist)
+
+    def _changed(
+        self, start: list[Floats], end: list[Floats], h: float
+    ) -> tuple[tuple[list[Floats], list[Floats]], Floats]:
+        """Return both ends of the step 72 times, with all components of each field larger, then smaller.
+
+        Returns:
+            their fields ``(72 m, ...)``; by how much they change ``(36, 1)``.
+        """
+        sizes = np.empty(36)
+        for side, ends in enumerate((start, end)):
+            speed = max(float(np.abs(ends[2]).max(initial=0.0)), h * float(np.abs(ends[3]).max(initial=0.0)))
+            size = PART * max(speed, 1e-6 * self._length / h)
+            given = [*[PART * self._length] * 3, *[TURN] * 3, *[size] * 6, *[size / h] * 6]
+            sizes[18 * side : 18 * side + 18] = given
+        change = self._units * sizes[:, None, None, None, None]
+        flat = np.concatenate([change, -change]).reshape(-1, 2, 3, 6)
+        changed = []
+        for side, ends in enumerate((start, end)):
+            r, q, twist, rate = (part[self._copies] for part in ends)
+            retract(r, q, np.ascontiguousarray(flat[:, side, 0]), r, q)
+            changed.append([r, q, twist + flat[:, side, 1], rate + flat[:, side, 2]])
+        return (changed[0], changed[1]), sizes[:, None]
+
+    def _states(
+        self, parts: Floats, h: float, start: list[Floats], end: list[Floats], nodes: Integers
+    ) -> tuple[Floats, Floats, Floats]:
+        """Return positions, rotations and twists ``(k, m, ...)`` at ``parts (k,)`` of a step."""
+        k, m = len(parts), len(nodes)
+        r, q, twist = np.empty((k, m, 3)), np.empty((k, m, 4)), np.empty((k, m, 6))
+        ends = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
+        self._interpolate.call(parts, h, *ends, self._split[nodes], True, r, q, twist, np.empty((10, 6)))
+        return r, q, twist
+
+    def _nodal(self, instants: Integers, r: Floats, q: Floats, twist: Floats) -> _Nodal:
+        """Return the derivatives by the states ``(k, m, ...)`` of the nodes at stored times."""
+        self._passed.append((instants, r, q, twist))
+        stations, of = self._stations, self._of
+        offset, turn = (part[stations] for part in self.reader.places)
+        R, q, twist = matrices(q)[:, of], q[:, of], twist[:, of]
+        pose, by_twist = np.zeros((2, len(instants), len(stations), 6))
+
+        def by(name: str) -> Floats | None:
+            values = self.weights.get(name)
+            return None if values is None else values[np.ix_(instants, stations)]
+
+        if (position := by("position")) is not None:
+            pushed = np.einsum("ksji,ksj->ksi", R, position)
+            pose[..., :3] += pushed
+            pose[..., 3:] += np.cross(offset, pushed)
+        if (rotation := by("rotation")) is not None:
+            whole = product(q, np.broadcast_to(turn, q.shape))
+            stored = self.stored[np.ix_(instants, stations)]
+            sign = np.sign(np.sum(whole * stored, axis=-1, keepdims=True))
+            # sign * q (0, theta)/2 turn
+            back = product(product(conjugate(q), sign * rotation), np.broadcast_to(conjugate(turn), q.shape))
+            pose[..., 3:] += 0.5 * back[..., 1:]
+        # velocities of a place that turns with its node, in the axes of the node and of the place
+        if (velocity := by("velocity")) is not None:
+            pushed = np.einsum("ksji,ksj->ksi", R, velocity)
+            speed = twist[..., :3] + np.cross(twist[..., 3:], offset)
+            pose[..., 3:] += np.cross(speed, pushed)
+            by_twist[..., :3] += pushed
+            by_twist[..., 3:] += np.cross(offset, pushed)
+        if (spin := by("angular_velocity")) is not None:
+            by_twist[..., 3:] += np.einsum("sij,ksj->ksi", matrices(turn), spin)
+        gathered = (self._of == np.arange(len(self._nodes))[:, None]).astype(float)
+        return _Nodal(*(np.einsum("ms,ksi->kmi", gathered, by) for by in (pose, by_twist)))
+
+    def value(self, reader: StationReader) -> float:
+        """Return the sum of the weights times what another reader reads of the states that were seen.
+
+        It changes with a number that moves stations away from their nodes.
+        """
+        total, of = 0.0, self._of
+        offset, turn = (part[self._stations] for part in reader.places)
+        for instants, r, q, twist in self._passed:
+            here = np.ix_(instants, self._stations)
+            R, whole = matrices(q)[:, of], product(q[:, of], np.broadcast_to(turn, q[:, of].shape))
+            sign = np.sign(np.sum(whole * self.stored[here], axis=-1, keepdims=True))
+            v, w = twist[:, of, :3], twist[:, of, 3:]
+            read = {
+                "position": r[:, of] + np.einsum("ksij,sj->ksi", R, offset),
+                "rotation": sign * whole,
+                "velocity": np.einsum("ksij,ksj->ksi", R, v + np.cross(w, offset)),
+                "angular_velocity": np.einsum("sji,ksj->ksi", matrices(turn), w),
+            }
+            total += sum(float(np.vdot(by[here], read[name])) for name, by in self.weights.items())
+        return total
