@@ -10,6 +10,7 @@ from typer.testing import CliRunner
 import viscorod as vr
 from helpers.measured_files import STRIP, write_lengths
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
@@ -17,6 +18,8 @@ from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
+from viscorod.results.identification import Number
+from viscorod.results.identification_report import with_prefix
 
 YOUNG, SHEAR, BULK = (
     "materials.rubber.youngs_modulus",
@@ -241,7 +244,8 @@ def test_moduli_of_a_material_need_no_motion():
 @pytest.mark.parametrize(
     ("parameters", "words"),
     [
-        ({"materials.rubber.youngs": 1e6}, "no case has a number there"),
+        ({"materials.rubber.youngs": 1e6}, "no case has a number there; did you mean youngs_modulus?"),
+        ({"materials.ruber.youngs_modulus": 1e6}, "no case has a number there; did you mean rubber?"),
         ({YOUNG: (2e6, 1e6, 3e6)}, "low <= start <= high"),
         ({YOUNG: "stiff"}, "a start, or low, start and high"),
         ({}, "nothing is sought"),
@@ -252,6 +256,25 @@ def test_moduli_of_a_material_need_no_motion():
 def test_wrong_keys_and_ranges_are_refused(parameters, words):
     with pytest.raises(InputError, match=words):
         vr.identify(swing(), history(swing()), parameters)
+
+
+def test_numbers_that_the_case_leaves_out_are_those_of_the_model():
+    case = swing()
+    assert "twist" not in case.content["rods"]["beam"]
+    assert number_at(case, "rods.beam.twist") == 0.0
+    assert case_with(case, {"rods.beam.twist": 0.1}).description.rods["beam"].twist == 0.1
+    assert number_at(case, "rods.other.twist") is None
+
+
+def test_numbers_of_a_report_have_the_prefix_of_their_value():
+    modulus = with_prefix(Number("E", 1.2e6, 1.1e6, np.inf, 39.0, unit="Pa"))
+    assert (modulus.value, modulus.low, modulus.high, modulus.standard_error) == pytest.approx(
+        (1.2, 1.1, np.inf, 3.9e-5)
+    )
+    assert modulus.unit == "MPa"
+    nothing = with_prefix(Number("offset", 0.0, -2e-5, 3e-5, unit="m"))
+    assert (nothing.high, nothing.unit) == (pytest.approx(30.0), "µm")
+    assert with_prefix(Number("ratio", 3e-7, 0.0, 1.0, unit="1")).value == 3e-7
 
 
 def test_records_of_one_name_and_what_is_none_are_refused():

@@ -15,7 +15,7 @@ from viscorod.pictures.plots.plot_identification import (
     draw_identification,
     draw_intervals,
 )
-from viscorod.results.identification_report import FORETOLD, foretold_table, limits_text
+from viscorod.results.identification_report import FORETOLD, foretold_table, limits_text, with_prefix
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -119,7 +119,8 @@ def _numbers(numbers: dict[str, Number]) -> str:
             *([one.unit] if units else []),
             *([one.how] if by else []),
         ]
-        for name, one in numbers.items()
+        for name, number in numbers.items()
+        for one in [with_prefix(number)]
     ]
     header = ["", "value", "low", "high", *(["unit"] if units else []), *(["interval by"] if by else [])]
     return _table(header, rows)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import difflib
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -14,14 +14,14 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.typing import Floats
 from viscorod.units import si_of, si_value
 
-__all__ = ["Columns", "name_and_unit", "si_factor", "si_size", "stacked"]
+__all__ = ["Columns", "is_unit", "name_and_unit", "si_factor", "si_size", "stacked"]
 
 GRAVITY = 9.80665
 """m/s^2 of the unit g of accelerometers."""
 _BRACKETS = re.compile(
-    r"^(?P<name>.*?)\s*(?:\[(?P<a>[^\[\]]*)\]|\((?P<b>[^()]*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
+    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
 )
-_PLAIN = {"-": "1", "": "", "1": "1", "sec": "s", "seconds": "s", "Sec": "s"}
+_PLAIN = {"-": "1", "": "", "1": "1", **dict.fromkeys(("sec", "Sec", "seconds", "Seconds", "sec."), "s")}
 _SPELT = {
     **{"m/s2": "m/s^2", "m/s²": "m/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "um": "µm"},
     **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain"), "ustrain"),
@@ -61,6 +61,7 @@ class Columns:
         fits = fits or [
             k for k, name in enumerate(self.names) if name.casefold() == str(wanted).strip().casefold()
         ]
+        fits = fits or [k for k, name in enumerate(self.names) if name.rpartition(".")[2] == wanted]
         if not fits:  # a heading as it stands in the file, with its unit
             name, unit = name_and_unit(str(wanted))
             fits = [k for k, own in enumerate(self.names) if (own, self.units[k]) == (name, unit)]
@@ -78,6 +79,22 @@ class Columns:
             if near and not fits
             else f"give its number, from 1, or one of {listed}",
         )
+
+    def timed(self, interval: float, name: str) -> Columns:
+        """Return the columns with one of times before them, which takes the place of one of the same name."""
+        kept = [k for k, own in enumerate(self.names) if own != name]
+        times = interval * np.arange(len(self.values))
+        return replace(
+            self,
+            names=(name, *(self.names[k] for k in kept)),
+            units=("s", *(self.units[k] for k in kept)),
+            values=np.column_stack([times, self.values[:, kept]]),
+        )
+
+    def without_gaps(self, wanted: Sequence[tuple[str, str | int]]) -> Columns:
+        """Return the rows in which some columns, each with its argument, have numbers."""
+        chosen = self.values[:, [self.number(key, one) for key, one in wanted]]
+        return replace(self, values=self.values[np.isfinite(chosen).all(axis=1)])
 
     def si(self, key: str, wanted: str | int, unit: str, given: str | None = None) -> Floats:
         """Return a column in SI.
@@ -123,7 +140,8 @@ class Columns:
                     f"{self.source}: {column}",
                     f"row {bad[0] + 1} of the numbers",
                     "there is no number",
-                    f"leave out the {len(bad)} row(s) without one",
+                    f"give gaps='leave out' to read the other {len(values) - len(bad)} rows, or complete the "
+                    f"{len(bad)} without one",
                 )
             )
         found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
@@ -140,7 +158,7 @@ def si_factor(source: str, column: str, written: str, unit: str) -> float:
         InputError: it is no unit, or one of another kind.
     """
     plain = _PLAIN.get(written.strip(), written.strip())
-    plain = _SPELT.get(plain, plain)
+    plain = _small(_SPELT.get(plain, plain))
     if unit == "m/s^2" and plain == "g":
         return GRAVITY
     if unit == "1":
@@ -238,6 +256,22 @@ _ENDINGS = (
 
 def _is_unit(text: str) -> bool:
     return text in _ENDINGS
+
+
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit and nothing else, as in a line of units below names."""
+    if _is_unit(text) or text in _PLAIN or text in _SPELT:
+        return True
+    try:
+        si_of(_small(text))
+    except RefusedError:
+        return False
+    return True
+
+
+def _small(text: str) -> str:
+    """Return a unit that is written out, in small letters; symbols as they are."""
+    return text.lower() if len(text) > 3 and text.isalpha() and not text[1:].isupper() else text
 
 
 def stacked(

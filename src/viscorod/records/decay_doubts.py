@@ -9,7 +9,7 @@ from viscorod.records.damped_sines import SineFit
 from viscorod.records.motion_record import Record
 from viscorod.typing import Floats
 
-__all__ = ["clipped", "doubts", "half_power_width"]
+__all__ = ["clipped_samples", "doubts", "half_power_width"]
 
 CYCLES = 3.0
 """Cycles below which a ratio rests on too little."""
@@ -35,7 +35,13 @@ def doubts(
     first = float(frequency[0])
     unit = "" if record.name == "decay" else f" {record.unit}"
     found = []
-    if clipped(record.values, len(part.times) / (span * first)):
+    held = record.times[clipped_samples(record.values, len(part.times) / (span * first))]
+    if len(held) and held[-1] < part.times[0]:
+        found.append(
+            f"the largest values come several times in a row: the record is clipped until {held[-1]:.4g} s, and used "
+            f"from {part.times[0]:.4g} s on"
+        )
+    elif len(held):
         found.append(
             "the largest values come several times in a row: the record is clipped there; a range that is not reached "
             "is needed, or a later start"
@@ -91,24 +97,23 @@ def half_power_width(frequency: float, ratio: float) -> float:
     return 2.0 * abs(ratio) * frequency
 
 
-def clipped(values: Floats, per_cycle: float) -> bool:
-    """Return whether an extreme is held for samples in which a sine would have moved by more than the resolution."""
-    if per_cycle < 4.0:
-        return False
+def clipped_samples(values: Floats, per_cycle: float) -> np.ndarray:
+    """Return which samples (n,) hold an extreme while a sine would have moved by more than the resolution."""
+    found = np.zeros(len(values), dtype=bool)
     known = np.unique(values)
-    if len(known) < 8:
-        return False
+    if per_cycle < 4.0 or len(known) < 8:
+        return found
     step = float(np.min(np.diff(known)))
     reach = float(known[-1] - known[0])
     moved = 0.5 * reach * (1.0 - np.cos(np.pi * (RUN - 1) / per_cycle))
     if moved < 3.0 * step:
-        return False
+        return found
     for extreme in (known[-1], known[0]):
         at = np.abs(values - extreme) <= 1e-9 * reach
         runs = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(int)))
         if len(runs) and int(np.max(runs[1::2] - runs[::2])) >= RUN:
-            return True
-    return False
+            found |= at
+    return found
 
 
 def _trend(pieces: dict[str, Floats]) -> str:

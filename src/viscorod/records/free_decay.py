@@ -12,7 +12,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import finite, increasing
 from viscorod.records.arguments import described
 from viscorod.records.damped_sines import SineFit, fit_sines, pencil_poles, residual_peak
-from viscorod.records.decay_doubts import doubts
+from viscorod.records.decay_doubts import clipped_samples, doubts
 from viscorod.records.motion_record import Record
 from viscorod.records.read_off import QUANTITIES, Direction
 from viscorod.results.decay_result import Decay
@@ -76,7 +76,7 @@ def decay(
                 f"a decay needs {FEWEST} at least", "give start and end, or a record with more samples",
             )
         )  # fmt: skip
-    return fitted_decay(record, part, modes, cycles, end)
+    return fitted_decay(record, part, modes, cycles, end, later=start is None)
 
 
 def _record_of(source: Any, values: Any, place: str | None, direction: Direction | None) -> Record:
@@ -115,9 +115,15 @@ def _start_of(times: Floats, values: Floats) -> float:
 
 
 def fitted_decay(
-    record: Record, part: Record, modes: int | None, cycles: int | None, end: float | None
+    record: Record,
+    part: Record,
+    modes: int | None,
+    cycles: int | None,
+    end: float | None,
+    *,
+    later: bool = False,
 ) -> Decay:
-    """Return the decay of a part of a record; see `decay`."""
+    """Return the decay of a part of a record; see `decay`. It may begin later, where the record is clipped at first."""
     times, values = part.times, part.values
     if float(np.ptp(values)) == 0.0:
         raise InputError(f"record {record.name}: nothing moves from {times[0]:g} to {times[-1]:g} s")
@@ -127,6 +133,9 @@ def fitted_decay(
             f"record {record.name}: no motion that swings about a rest was found from {times[0]:g} to {times[-1]:g} s; "
             "cut a window in which it swings freely for two cycles or more"
         )
+    free = _after_clipping(part, fit) if later else None
+    if free is not None:
+        return fitted_decay(record, free, modes, cycles, end)
     sunk = _sunk(fit)
     if end is None and sunk < times[-1] - times[0]:
         return fitted_decay(
@@ -135,6 +144,24 @@ def fitted_decay(
     order = np.argsort(-np.array([float(np.sum(fit.mode(k) ** 2)) for k in range(len(fit.poles))]))
     pieces = _pieces(fit, int(order[0]), cycles)
     return _result(record, part, fit, order, pieces)
+
+
+def _after_clipping(part: Record, fit: SineFit) -> Record | None:
+    """Return a record from the first passage through rest after its last clipped sample; None if none is clipped.
+
+    What is left must have two cycles.
+    """
+    hertz = float(fit.poles.imag[int(np.argmax(np.abs(fit.amplitudes)))]) / (2.0 * np.pi)
+    held = clipped_samples(part.values, len(part.times) / float(part.times[-1] - part.times[0]) / hertz)
+    if not held.any():
+        return None
+    last = int(np.flatnonzero(held)[-1])
+    off = part.values[last:] - float(np.median(part.values[last:]))
+    passed = np.flatnonzero(off[:-1] * off[1:] <= 0.0)
+    begin = float(part.times[last + (int(passed[0]) + 1 if len(passed) else 1)])
+    free = part.window(begin, part.times[-1]) if begin < part.times[-1] else None
+    enough = free is not None and len(free.times) >= FEWEST and (free.times[-1] - begin) * hertz >= 2.0
+    return free if enough else None
 
 
 def _sunk(fit: SineFit) -> float:

@@ -23,6 +23,8 @@ __all__ = ["Record"]
 QUARTER_TURN = 0.5 * np.pi
 EVEN = 1e-3
 """Part of the interval by which samples of one rate may be off their place."""
+ROUNDED = tuple(10.0**-k for k in range(10))
+"""Parts of a second to which stamps may be rounded; first and last one are off too, so that all may be by one part."""
 
 
 class Record(AnyRecord):
@@ -134,25 +136,39 @@ class Record(AnyRecord):
         time: str | int = 1,
         unit: str | None = None,
         time_unit: str | None = None,
+        rate: float | None = None,
+        gaps: str = "refuse",
         **more: Any,
     ) -> Record:
         """Return a record from a column of a file, or of an object of xarray or pandas.
 
         Text files are read as tables of moduli are: names with units ("t [s]", "x (mm)", "tip_x_m", or units in the
         line below), any encoding, tabs, semicolons, commas or blanks, decimal commas. The extra ``viscorod[records]``
-        reads UFF (functions named by node and direction, "3:+z") and C3D ("marker x"). MATLAB files go to version 7.2.
+        reads UFF (functions named by node and direction, "3:+z") and C3D ("marker x"). Fields of structures of MATLAB
+        are named "data.tip". Times of day and dates count from the first sample.
 
         Args:
             source: path, ``DataArray``, ``Dataset``, ``DataFrame`` or ``Series``.
             value, time: columns by name, without unit, or number from 1.
             quantity: see `Record`; with it the unit of the values is checked.
             unit, time_unit: where the source does not say.
+            rate: samples per second, where there is no column of times; the first sample is at 0.
+            gaps: of samples without a number: "refuse", or "leave out". Samples around a gap are not evenly spaced,
+                and their noise counts as white.
             more: all else that a `Record` has: place, direction, noise (SI), unknown, ...
 
         Raises:
             InputError: it cannot be read, a column is missing, a unit is missing or of another kind.
         """
         columns = columns_of(source)
+        if gaps not in ("refuse", "leave out"):
+            raise InputError(Fault("gaps", repr(gaps), "it is not known", "use 'refuse' or 'leave out'"))
+        if rate is not None:
+            if rate <= 0.0:
+                raise InputError(Fault("rate", f"{rate:g}", "it is not positive", "give samples per second"))
+            columns, time = columns.timed(1.0 / rate, "time"), "time"
+        if gaps == "leave out":
+            columns = columns.without_gaps([("time", time), ("value", value)])
         if quantity not in QUANTITIES:
             raise InputError(
                 Fault("quantity", repr(quantity), "it is not known", f"use one of {', '.join(QUANTITIES)}")
@@ -182,11 +198,12 @@ class Record(AnyRecord):
 
     @property
     def interval(self) -> float | None:
-        """Time between samples, s; None where they are not evenly spaced."""
-        steps = np.diff(self.times)
-        mean = float(np.mean(steps))
-        off = np.abs(self.times - (self.times[0] + mean * np.arange(len(self.times))))
-        return mean if float(off.max()) <= EVEN * mean else None
+        """Time between samples, s; None where they are not evenly spaced, beyond what stamps were rounded to."""
+        mean = float(np.mean(np.diff(self.times)))
+        even = self.times[0] + mean * np.arange(len(self.times))
+        off = float(np.abs(self.times - even).max())
+        rounded = next((one for one in ROUNDED if _are_multiples(self.times, one)), 0.0)
+        return mean if off <= max(EVEN * mean, min(rounded, 0.5 * mean)) else None
 
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
@@ -348,3 +365,7 @@ class Record(AnyRecord):
             f"{len(self.times)} samples {sampled} from {self.times[0]:.6g} to {self.times[-1]:.6g} s; "
             f"noise {noise}; unknown: {unknown}"
         )
+
+
+def _are_multiples(times: Floats, unit: float) -> bool:
+    return bool(np.abs(times / unit - np.round(times / unit)).max() < 1e-6)

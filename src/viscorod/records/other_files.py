@@ -1,4 +1,4 @@
-"""Columns from UFF, C3D and MATLAB files, and from objects of xarray and pandas; each by the library made for it."""
+"""Columns from UFF, C3D, MATLAB and netCDF files, and from objects of xarray and pandas."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.records.columns import Columns, name_and_unit, stacked
+from viscorod.records.clock_times import since_first
+from viscorod.records.columns import Columns, is_unit, name_and_unit, stacked
+from viscorod.records.matlab_file import columns_of_matlab
 from viscorod.records.text_file import columns_of_text
 
 __all__ = ["columns_of"]
@@ -38,7 +40,13 @@ def columns_of(source: Any) -> Columns:
                   "give a path, or a DataArray, DataFrame or Series")
         )  # fmt: skip
     path = Path(source)
-    readers = {".uff": _of_uff, ".unv": _of_uff, ".c3d": _of_c3d, ".mat": _of_matlab}
+    readers = {
+        ".uff": _of_uff,
+        ".unv": _of_uff,
+        ".c3d": _of_c3d,
+        ".mat": columns_of_matlab,
+        ".nc": _of_netcdf,
+    }
     reader = readers.get(path.suffix.lower(), columns_of_text)
     if reader is not columns_of_text and not path.is_file():
         raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
@@ -81,19 +89,46 @@ def _of_xarray(source: Any) -> Columns:
         raise InputError(
             Fault("source", str(dim), "this dimension has no coordinate", "give it times or frequencies")
         )
-    columns = {str(dim): source[dim], **arrays}
-    units = [array.attrs.get("units") for array in columns.values()]
-    return stacked("xarray", list(columns), [np.asarray(a.values) for a in columns.values()], units)
+    names, columns, units = [], [], []
+    for name, array in {str(dim): source[dim], **arrays}.items():
+        seconds = since_first(array.values)
+        if seconds is None and np.asarray(array.values).dtype.kind not in "fiuc":
+            continue  # remarks
+        names.append(name)
+        columns.append(np.asarray(array.values) if seconds is None else seconds)
+        units.append(array.attrs.get("units") if seconds is None else "s")
+    return stacked("xarray", names, columns, units)
+
+
+def _of_netcdf(path: Path) -> Columns:
+    """Return the variables of a netCDF file along its one dimension."""
+    import xarray as xr
+
+    try:
+        found = xr.load_dataset(path)
+    except Exception as error:  # the readers fail in many ways on what is no netCDF
+        raise InputError(
+            Fault(str(path), "", f"it cannot be read as netCDF ({error})", "check the file")
+        ) from None
+    return _of_xarray(found)
 
 
 def _of_frame(frame: Any) -> Columns:
     """Return a DataFrame with units in the names of its columns, or in ``frame.attrs["units"]``; its index is first."""
     told = dict(frame.attrs.get("units", {}))
-    names, columns, units = [], [], []
+    names: list[str] = []
+    columns: list[np.ndarray] = []
+    units: list[str | None] = []
     parts = [(str(frame.index.name or "index"), frame.index.to_numpy())]
-    parts += [(str(name), frame[name].to_numpy()) for name in frame.columns]
+    parts += [(_label(name), frame.iloc[:, k].to_numpy()) for k, name in enumerate(frame.columns)]
     for label, values in parts:
         name, unit = name_and_unit(label)
+        seconds = since_first(values)
+        if seconds is not None:
+            names.append(name)
+            columns.append(seconds)
+            units.append("s")
+            continue
         try:
             columns.append(np.asarray(values, dtype=complex if np.iscomplexobj(values) else float))
         except (TypeError, ValueError):
@@ -101,6 +136,16 @@ def _of_frame(frame: Any) -> Columns:
         names.append(name)
         units.append(told.get(label, told.get(name, unit)))
     return stacked("pandas", names, columns, units)
+
+
+def _label(name: Any) -> str:
+    """Return the heading of a column; of several levels the last may be its unit."""
+    if not isinstance(name, tuple):
+        return str(name)
+    words = [str(word) for word in name if str(word)]
+    if len(words) > 1 and is_unit(words[-1].strip("[]() ")):
+        return f"{' '.join(words[:-1])} [{words[-1].strip('[]() ')}]"
+    return " ".join(words)
 
 
 def _of_uff(path: Path) -> Columns:
@@ -180,43 +225,3 @@ def _of_c3d(path: Path) -> Columns:
             columns.append(values)
             units.append(unit or "")
     return stacked(str(path), names, columns, [one or None for one in units])
-
-
-def _of_matlab(path: Path) -> Columns:
-    """Return the vectors of a MATLAB file (to version 7.2) that are as long as the most; units are not in it."""
-    from scipy.io import loadmat
-
-    try:
-        content = loadmat(path)
-    except NotImplementedError:
-        raise InputError(
-            Fault(
-                str(path),
-                "version 7.3",
-                "it is an HDF5 file",
-                "save it with '-v7' in MATLAB, or open it with xarray",
-            )
-        ) from None
-    except Exception as error:  # the reader fails in many ways on what is no MATLAB file
-        raise InputError(
-            Fault(str(path), "", f"it cannot be read as MATLAB ({error})", "check the file")
-        ) from None
-    vectors: dict[str, np.ndarray] = {}
-    for name, value in content.items():
-        array = np.asarray(value)
-        if name.startswith("__") or array.dtype.kind not in "fiuc" or array.ndim != 2:
-            continue
-        if 1 in array.shape and array.size > 1:
-            vectors[name] = array.ravel()
-        elif array.size > 1:
-            long = array if array.shape[0] >= array.shape[1] else array.T
-            vectors |= {f"{name}({k + 1})": long[:, k] for k in range(long.shape[1])}
-    if not vectors:
-        raise InputError(
-            Fault(str(path), "", "it has no vectors of numbers", "save times and values as vectors")
-        )
-    lengths = [len(vector) for vector in vectors.values()]
-    usual = max(set(lengths), key=lengths.count)
-    kept = {name: vector for name, vector in vectors.items() if len(vector) == usual}
-    pairs = [name_and_unit(name) for name in kept]
-    return stacked(str(path), [name for name, _ in pairs], list(kept.values()), [unit for _, unit in pairs])

@@ -9,15 +9,16 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from itertools import zip_longest
 from pathlib import Path
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.materials.table_text import SEPARATORS, Numbers, lines_of, looks_like_a_number
-from viscorod.records.columns import Columns, name_and_unit
+from viscorod.model.materials.table_text import MISSING, SEPARATORS, Numbers, lines_of, looks_like_a_number
+from viscorod.records.clock_times import clock_seconds, is_clock_time
+from viscorod.records.columns import Columns, is_unit, name_and_unit
+from viscorod.records.labview_text import labview_table
 
 __all__ = ["columns_of_text"]
 
@@ -35,26 +36,9 @@ def columns_of_text(path: Path) -> Columns:
     if not path.is_file():
         raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
     try:
-        return _table(str(path), _of_labview(lines_of(path)))
+        return _table(str(path), labview_table(lines_of(path)))
     except RefusedError as error:
         raise InputError(Fault(str(path), error.found or "", error.why, error.instead)) from None
-
-
-def _of_labview(lines: list[str]) -> list[str]:
-    """Return a measurement file of LabVIEW (.lvm) as a table: its head gives units, dimensions and the names."""
-    ends = [k for k, line in enumerate(lines) if line.startswith("***End_of_Header***")]
-    if not ends:
-        return lines
-    head = {cells[0]: cells[1:] for line in lines[: ends[-1]] if (cells := line.split("\t"))}
-    names = lines[ends[-1] + 1].rstrip("\t").split("\t") if len(lines) > ends[-1] + 1 else []
-    names = names[:-1] if names[-1:] == ["Comment"] else names
-    units = ["s" if head.get("X_Dimension", ["Time"])[0] == "Time" else "", *head.get("Y_Unit_Label", [])]
-    titles = [
-        f"{name} [{unit.strip()}]" if unit.strip() else name
-        for name, unit in zip_longest(names, units, fillvalue="")
-    ]
-    rows = ["\t".join(line.split("\t")[: len(names)]) for line in lines[ends[-1] + 2 :]]
-    return [*[""] * (ends[-1] + 1), "\t".join(titles[: len(names)]), *rows]
 
 
 def _table(source: str, lines: list[str]) -> Columns:
@@ -66,7 +50,7 @@ def _table(source: str, lines: list[str]) -> Columns:
         if not line.strip() or _REMARK.match(line):
             continue
         cells = _cells(line, divide, width)
-        if len(cells) != width or not any(map(looks_like_a_number, cells)):
+        if len(cells) != width or not any(map(_measured, cells)):
             below = (_cells(text, divide, width) for text in lines[number:])
             if not _numeric(cells) and not any(len(other) == width and _numeric(other) for other in below):
                 break  # a remark at the end
@@ -77,8 +61,19 @@ def _table(source: str, lines: list[str]) -> Columns:
                 found=show(line[:60].strip()),
             )
         rows.append((number, cells))
+    clocks = {
+        k: found
+        for k in range(width)
+        if is_clock_time(rows[0][1][k]) and (found := clock_seconds([row[k] for _, row in rows])) is not None
+    }
+    for _, row in rows:
+        for k in clocks:
+            row[k] = ""
     numbers = Numbers(cell for _, cells in rows for cell in cells if looks_like_a_number(cell))
     values = np.array([_row(number, cells, names, numbers) for number, cells in rows])
+    for k, found in clocks.items():
+        values[:, k] = found
+    units = tuple("s" if k in clocks else unit for k, unit in enumerate(units))
     return Columns(source, names, units, values)
 
 
@@ -124,10 +119,12 @@ def _cells(line: str, divide: Callable[[str], list[str]], width: int | None = No
     return cells[:-1] if len(cells) > 1 and not cells[-1] and len(cells) - 1 >= (width or 0) else cells
 
 
+def _measured(cell: str) -> bool:
+    return looks_like_a_number(cell) or is_clock_time(cell)
+
+
 def _numeric(cells: list[str]) -> bool:
-    return any(map(looks_like_a_number, cells)) and all(
-        not cell or looks_like_a_number(cell) or cell.lower() in ("nan", "-", "n/a", "na") for cell in cells
-    )
+    return any(map(_measured, cells)) and all(_measured(cell) or cell.lower() in MISSING for cell in cells)
 
 
 def _heads(
@@ -166,6 +163,4 @@ def _all_units(cells: list[str]) -> bool:
     """Return whether a line below the names holds units: brackets, or texts that are units."""
     texts = [cell.strip() for cell in cells]
     bracketed = all(re.fullmatch(r"[\[(].*[\])]", text) for text in texts if text)
-    return any(texts) and (
-        bracketed or all(name_and_unit(f"x_{text}")[1] for text in texts if text not in _BARE)
-    )
+    return any(texts) and (bracketed or all(is_unit(text) for text in texts if text not in _BARE))

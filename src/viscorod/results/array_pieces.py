@@ -37,7 +37,7 @@ def largest(result: Result, quantity: str) -> Floats:
     return np.concatenate([np.max(np.abs(block), axis=1) for block in blocks(result, quantity)])
 
 
-def in_states(variable: xr.DataArray, along: str, states: Integers) -> Floats:
+def in_states(variable: xr.DataArray | xr.Variable, along: str, states: Integers) -> Floats:
     """Return a variable in some states ``(states, ...)``, in increasing order, states first; few others are read."""
     most = max(1, _BLOCK // max(1, variable.size // variable.sizes[along]))
     found = np.empty((states.size, *variable.isel({along: 0}).shape))

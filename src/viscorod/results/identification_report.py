@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.text_numbers import scaled
 from viscorod.results.text_table import listed, page, table
 
 if TYPE_CHECKING:
     from viscorod.results.identification import Identification, Number
 
-__all__ = ["FORETOLD", "foretold_table", "identification_report", "limits_text"]
+__all__ = ["FORETOLD", "foretold_table", "identification_report", "limits_text", "with_prefix"]
 
 FORETOLD = "Records left out, foretold and measured (+- 95 %)"
 
@@ -31,8 +33,9 @@ def identification_report(fit: Identification) -> str:
         blocks.append(_numbers("Numbers of the measurement", fit.nuisances))
     if fit.combinations:
         rows = [
-            [name, f"{one.value:.5g}", *limits_text(one), fit.units[name]]
-            for name, one in fit.combinations.items()
+            [name, f"{one.value:.5g}", *limits_text(one), one.unit]
+            for name, number in fit.combinations.items()
+            for one in [with_prefix(number)]
         ]
         blocks.append(
             table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows)
@@ -55,6 +58,22 @@ def identification_report(fit: Identification) -> str:
     return page(blocks)
 
 
+def with_prefix(one: Number) -> Number:
+    """Return a number in the prefix of its unit in which a person reads it."""
+    if one.unit in ("", "1"):
+        return one
+    ends = [end for end in (one.value, one.low, one.high) if np.isfinite(end)]
+    factor, unit = scaled(one.unit, [one.value] if one.value else ends)
+    return replace(
+        one,
+        value=factor * one.value,
+        low=factor * one.low,
+        high=factor * one.high,
+        standard_error=factor * one.standard_error,
+        unit=unit,
+    )
+
+
 def limits_text(one: Number) -> tuple[str, str]:
     """Return the ends of an interval in words; those of what nothing fitted acts on are as the case has it."""
     if one.low == one.value == one.high:
@@ -73,7 +92,8 @@ def _numbers(title: str, numbers: dict[str, Number]) -> str:
             f"{one.standard_error:.2g}" if one.told else "-",
             one.how,
         ]
-        for name, one in numbers.items()
+        for name, number in numbers.items()
+        for one in [with_prefix(number)]
     ]
     return table(title, ["", "value", "low", "high", "unit", "standard error", "interval by"], rows)
 

@@ -197,7 +197,7 @@ class PartsRead:
 
     def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
         """Return a variable at some places of a dimension, in the states that are needed."""
-        variable = self.data[name].isel({dimension: numbers})
+        variable = self.data.variables[name].isel({dimension: numbers})  # a part of a DataArray takes longer
         if self.instants is not None and self.along in variable.dims:
             return in_states(variable, self.along, self.instants.states)
         return np.asarray(variable.values, dtype=float)

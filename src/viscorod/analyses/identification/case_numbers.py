@@ -1,4 +1,8 @@
-"""Numbers of a case by their keys: read, and set, several at once under one name."""
+"""Numbers of a case by their keys: read, and set, several at once under one name.
+
+They are what the text of the case has, settings of its analysis included; those that it leaves out are numbers of its
+model, as derivatives are taken by.
+"""
 
 from __future__ import annotations
 
@@ -6,12 +10,13 @@ import copy
 from collections.abc import Mapping
 from typing import Any
 
+from viscorod.analyses.derivatives.case_numbers import CaseNumber
 from viscorod.casefile.case import Case, case_from_dict
 from viscorod.casefile.case_keys import parts_of
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
-__all__ = ["case_with", "keys_of", "number_at"]
+__all__ = ["case_with", "keys_of", "number_at", "where_to_look"]
 
 
 def keys_of(name: str) -> tuple[str, ...]:
@@ -56,7 +61,7 @@ def number_at(case: Case, name: str, *, strict: bool = False) -> float | None:
         try:
             value = place[last]
         except (KeyError, IndexError):
-            return None
+            return _left_out(case, key)
         if isinstance(value, str):  # a quantity with a unit: what it is in SI the case says
             found = [one for one in case.conversions if one.where == key]
             value = found[0].value if found else value
@@ -66,6 +71,23 @@ def number_at(case: Case, name: str, *, strict: bool = False) -> float | None:
             )
         return float(value)
     return None
+
+
+def _left_out(case: Case, key: str) -> float | None:
+    """Return the number of the model that the text of a case leaves out; None if there is none."""
+    try:
+        return CaseNumber.of(case.description, key).value
+    except InputError:
+        return None
+
+
+def where_to_look(case: Case, name: str) -> str:
+    """Return what to write in place of a key that is none of a case."""
+    try:
+        CaseNumber.of(case.description, keys_of(name)[0])
+    except InputError as error:
+        return error.problems[0].instead
+    return "name another"
 
 
 def _place(content: Any, key: str) -> tuple[Any, Any]:

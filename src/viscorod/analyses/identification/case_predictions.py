@@ -31,17 +31,27 @@ class CasePredictions:
 
     def __init__(self, members: Sequence[Member], unknowns: Unknowns, believed: Sequence[int]) -> None:
         self._members, self._unknowns, self._believed = members, unknowns, list(believed)
+        self._last: tuple[bytes, list[Floats]] | None = None
 
     def values(self, unknowns: Floats) -> Floats:
         """See `Predictions`."""
-        named = self._named(unknowns)
-        parts = [self._of_member(member, named) for member in self._members]
-        return np.concatenate([*parts, unknowns[self._believed]])
+        return np.concatenate([*self._parts(unknowns), unknowns[self._believed]])
 
     def jacobian(self, unknowns: Floats, *, rough: bool = False) -> Floats:
         """See `Predictions`."""
-        blocks = [self._slopes(member, unknowns, rough=rough) for member in self._members]
+        blocks = [
+            self._slopes(member, here, unknowns, rough=rough)
+            for member, here in zip(self._members, self._parts(unknowns), strict=True)
+        ]
         return np.concatenate([*blocks, np.eye(len(unknowns))[self._believed]])
+
+    def _parts(self, unknowns: Floats) -> list[Floats]:
+        """Return the values of every member; the last ones are kept, beside which derivatives are taken."""
+        key = unknowns.tobytes()
+        if self._last is None or self._last[0] != key:
+            named = self._named(unknowns)
+            self._last = key, [self._of_member(member, named) for member in self._members]
+        return self._last[1]
 
     def _named(self, unknowns: Floats) -> dict[str, float]:
         return {one.name: float(value) for one, value in zip(self._unknowns, unknowns, strict=True)}
@@ -49,10 +59,9 @@ class CasePredictions:
     def _of_member(self, member: Member, named: Mapping[str, float]) -> Floats:
         return np.concatenate([member.predicted(record, named) for record in member.records])
 
-    def _slopes(self, member: Member, unknowns: Floats, *, rough: bool) -> Floats:
+    def _slopes(self, member: Member, here: Floats, unknowns: Floats, *, rough: bool) -> Floats:
         named = self._named(unknowns)
         own = [record.by_nuisances(member.compared(record, named), named) for record in member.records]
-        here = self._of_member(member, named)
         sizes = [len(record.observed) for record in member.records]
         out = np.zeros((sum(sizes), len(unknowns)))
         for k, one in enumerate(self._unknowns):

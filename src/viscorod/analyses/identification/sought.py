@@ -8,7 +8,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscorod.analyses.identification.case_numbers import number_at
+from viscorod.analyses.identification.case_numbers import number_at, where_to_look
 from viscorod.analyses.identification.members import Member, earliest_release
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
@@ -101,7 +101,8 @@ def _range(name: str, given: Range, start: float | None) -> tuple[float, float, 
 def _of_case(members: Sequence[Member], name: str, given: Range, *, nuisance: bool) -> Unknown:
     having = [number for one in members if (number := number_at(one.case, name, strict=True)) is not None]
     if not having:
-        instead = "give the path of a number of a case, or the name of an unknown of a record"
+        hint = where_to_look(members[0].case, name)
+        instead = f"{hint}; or give the name of an unknown of a record"
         raise InputError(Fault(name, "", "no case has a number there", instead))
     low, start, high = _range(name, given, having[0])
     positive = start > 0.0 and (low >= 0.0 or not np.isfinite(low))

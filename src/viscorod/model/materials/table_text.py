@@ -21,7 +21,25 @@ _BINARY = {
     b"{\\rtf": "a document (.rtf)",
     b"\x89HDF": "an HDF5 file",
 }
-MISSING = ("", "-", "--", "---", "n.a.", "n/a", "na", "#n/a", "nan", "#nv", "#value!", "*", "****")
+MISSING = (
+    *(
+        "",
+        "-",
+        "--",
+        "---",
+        "n.a.",
+        "n/a",
+        "na",
+        "#n/a",
+        "nan",
+        "nan()",
+        "#nv",
+        "#value!",
+        "#num!",
+        "#div/0!",
+    ),
+    *("*", "****", "null", "none", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "<na>", "missing"),
+)
 """Cells, in small letters, that say that a point was not measured."""
 
 

@@ -63,17 +63,21 @@ def whitened_by(part: Floats, partials: Floats) -> Floats:
     for lag, term in enumerate(terms, start=1):
         out[lag:] -= term * part[:-lag]
     out /= innovation
-    out[: len(terms)] = _begun(part[: len(terms)], partials)
+    out[: len(terms)] = _beginning(partials)[: len(terms), : len(terms)] @ part[: len(terms)]
     return out
 
 
-def _begun(head: Floats, partials: Floats) -> Floats:
-    """Return the whitened first samples, as many as there are terms: each is foretold by those before it."""
-    out = head.copy()
-    for k in range(len(head)):
-        terms, size = terms_of(partials[:k])
-        out[k] = (head[k] - terms @ head[:k][::-1]) / size
-    return out
+def _beginning(partials: Floats) -> Floats:
+    """Return what whitens the first samples: each is foretold by those before it, one more than there are terms."""
+    count = len(partials)
+    found = np.zeros((count + 1, count + 1))
+    row, size = np.ones(1), 1.0  # the last sample less what foretells it, the oldest first
+    found[0, 0] = 1.0
+    for k, one in enumerate(partials):
+        row = np.append(0.0, row) - one * np.append(row[::-1], 0.0)
+        size *= np.sqrt(1.0 - one * one)
+        found[k + 1, : k + 2] = row / size
+    return found
 
 
 def chosen_partials(residuals: Floats) -> Floats:
@@ -151,10 +155,10 @@ class _Restricted:
 
     def __call__(self, z: Floats) -> float:
         partials = np.tanh(z)
-        terms, innovation = terms_of(partials)
-        filtered = np.append(1.0, -terms)
-        square = np.einsum("i,j,ijpq->pq", filtered, filtered, self._products) / innovation**2
-        head = _begun(self._head, partials)
+        rows = _beginning(partials)
+        filtered = rows[-1, ::-1]
+        square = filtered @ np.tensordot(filtered, self._products, 1).transpose(1, 0, 2)
+        head = rows[:-1, :-1] @ self._head
         square = square + head.T @ head
         weights = self._count - np.arange(1.0, self._order + 1.0)
         volume = float(np.sum(weights * np.log1p(-(partials**2))))

@@ -281,7 +281,8 @@ def profile_end(
     The root of the rise is nearly linear in the coordinate. Where the profile flattens the end is infinite.
     """
     centre, least, start = float(found.z[k]), found.square, found.z
-    side = (min(bound, centre), max(bound, centre))
+    far = max(VERY_FAR, 3.0 * abs(guess - centre))
+    side = (max(min(bound, centre), centre - far), min(max(bound, centre), centre + far))
     place = np.clip(guess, *side)
     last, height = centre, 0.0
     for _ in range(8):
@@ -292,8 +293,7 @@ def profile_end(
             continue
         if abs(rise - reach) < 0.01 * reach:
             break
-        # it flattens: nothing limits the number on this side
-        if abs(place - centre) > max(VERY_FAR, 20.0 * abs(guess - centre)):
+        if rise < reach and abs(place - centre) > 0.999 * far:  # nothing limits the number on this side
             return float(np.sign(place - centre)) * np.inf
         slope = (rise - height) / (place - last)
         last, height = float(place), rise

@@ -28,8 +28,10 @@ SETTLED = 0.05
 """Standard errors by which new weights may move the unknowns without another search."""
 NEAR = 0.5
 """Standard errors by which they may move them by one step with the slopes that there are."""
-STATISTICAL = 5e-4
+STATISTICAL = 2e-2
 """Change of the sum of squares, in units of the noise, that is not worth another iteration."""
+NEARLY = 0.25
+"""The same that is not worth slopes anew: half a standard error. At the end they are computed anew and checked."""
 REGION = 0.5
 """Change of a logarithm, or of a number over its scale, by which the first step goes at most, or so."""
 HELD = 0.2
@@ -129,12 +131,16 @@ class Followed:
     def slopes(self, z: Floats) -> Floats:
         """Return the derivatives of the residuals at z, which has just been evaluated."""
         found, now = None, self._residual(z)
-        if self._last is not None and self._carried < MOST_CARRIED:
+        if self._last is not None:
             before, then, slopes = self._last
             step = z - before
             part = float(now @ now) / max(float(then @ then), 1e-300)
-            if step.any() and (part < GAINED or FLAT < part <= 1.0):
-                found = slopes + np.outer(now - then - slopes @ step, step) / (step @ step)
+            if step.any() and part <= 1.0:
+                carried = slopes + np.outer(now - then - slopes @ step, step) / (step @ step)
+                worth = (part < GAINED or part > FLAT) and self._carried < MOST_CARRIED
+                left = float(np.sum((np.linalg.qr(carried)[0].T @ now) ** 2))
+                if worth or left * len(now) < NEARLY * float(now @ now):
+                    found = carried
         self._carried = 0 if found is None else self._carried + 1
         found = self._slopes(z) if found is None else found
         self._last = z.copy(), now, found
@@ -291,7 +297,7 @@ def searched(
 
     followed = Followed(residual, weighted)
 
-    tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-5))
+    tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-4))
     found = least_squares(
         residual,
         np.full(len(start), REGION),

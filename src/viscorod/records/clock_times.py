@@ -1,0 +1,57 @@
+"""Times of day and dates, as loggers stamp their samples, in seconds from the first."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+__all__ = ["clock_seconds", "is_clock_time", "since_first"]
+
+_CLOCK = re.compile(
+    r"\s*(?:(?P<date>\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2})[ T]\s*)?"
+    r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:[.,]\d*)?)\s*(?:Z|[+-]\d\d:?\d\d)?\s*"
+)
+DAY = 86400.0
+"""Seconds."""
+
+
+def is_clock_time(cell: str) -> bool:
+    """Return whether a cell is a time of day, such as 10:11:12.5 or 2024-03-01T10:11:12.5."""
+    return _CLOCK.fullmatch(cell) is not None
+
+
+def clock_seconds(cells: Sequence[str]) -> Floats | None:
+    """Return times of day as seconds from the first, over midnights; None if a cell is something else.
+
+    Samples of a record follow each other within a day, so that dates say no more than the order.
+    """
+    found = [_CLOCK.fullmatch(cell) for cell in cells]
+    if not found or not all(found):
+        return None
+    seconds = np.array(
+        [
+            3600.0 * float(one["hour"]) + 60.0 * float(one["minute"]) + float(one["second"].replace(",", "."))
+            for one in found
+            if one is not None
+        ]
+    )
+    midnights = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -0.5 * DAY)
+    return np.asarray(np.round(seconds + DAY * midnights - seconds[0], 9))
+
+
+def since_first(values: Any) -> Floats | None:
+    """Return dates or durations of numpy or pandas as seconds, dates from the first on; None of anything else."""
+    array = np.asarray(values)
+    if array.dtype.kind == "O" and len(array) and hasattr(array[0], "timestamp"):
+        return np.array([(one - array[0]).total_seconds() for one in array])
+    if array.dtype.kind == "M":
+        array = array - array[0]
+    if array.dtype.kind != "m":
+        return None
+    seconds = array.astype("timedelta64[ns]").astype(np.int64) * 1e-9
+    return np.asarray(np.where(np.isnat(array), np.nan, seconds))

@@ -1,0 +1,223 @@
+"""Files of measurements as other people's instruments and programs write them: one record in many, all alike."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import viscorod as vr
+
+TIMES = np.arange(12) * 0.01
+VALUES = np.round(5e-3 * np.sin(9.0 * TIMES), 9)
+HOW = {"place": "beam.end", "quantity": "displacement", "direction": "y"}
+
+
+def rows(mark=",", point=".", times=1.0, values=1e3):
+    return "".join(
+        mark.join(f"{x:.8g}".replace(".", point) for x in (t * times, y * values)) + "\n"
+        for t, y in zip(TIMES, VALUES, strict=True)
+    )
+
+
+def clock(stamp):
+    return "".join(
+        f"{stamp.format(59.95 + t if t < 0.045 else t - 0.05, 58 + (t > 0.045))},{y * 1e3:.8g}\n"
+        for t, y in zip(TIMES, VALUES, strict=True)
+    )
+
+
+TEXTS = {
+    "units as words in a line of their own": "Time,tip_y\nSeconds,Millimeters\n" + rows(),
+    "sec below names": "Time,tip_y\nsec,mm\n" + rows(),
+    "braces": "Time {ms},tip_y {mm}\n" + rows(times=1e3),
+    "settings above, as many cells as the table": "Rate,100\nLength,12\n\nTime [s],tip_y [mm]\n" + rows(),
+    "the same with decimal commas": "Kanal;1\nRate;100,0\nTime [s];tip_y [mm]\n" + rows(";", ","),
+    "time of day over an hour": "Time,tip_y [mm]\n" + clock("10:{1}:{0:06.3f}"),
+    "dates": "Time,tip_y [mm]\n" + clock("2024-03-01T10:{1}:{0:06.3f}Z"),
+    "German dates": "Zeit;tip_y [mm]\n" + clock("1/3/2024 10:{1}:{0:06.3f}").replace(",", ";").replace(".", ","),
+    "minutes": "Time [min]\ttip_y [mm]\n" + rows("\t", times=1.0 / 60.0),
+    "old Mac": ("Time [s],tip_y [mm]\n" + rows()).replace("\n", "\r"),
+    "thousands": "Time [s];tip_y [µm]\n"
+    + "".join(f"{t:.2f};{y * 1e6:,.3f}\n" for t, y in zip(TIMES, VALUES, strict=True)),
+}  # fmt: skip
+
+
+def read(path, value="tip_y", **more):
+    return vr.Record.read(path, value, **{**HOW, **more})
+
+
+@pytest.mark.parametrize("encoding", ["utf-8-sig", "utf-16", "utf-16-le"])
+@pytest.mark.parametrize("name", TEXTS)
+def test_text(name, encoding, tmp_path):
+    file = tmp_path / "record.txt"
+    file.write_bytes(TEXTS[name].encode(encoding))
+    found = read(file)
+    np.testing.assert_allclose(found.times, TIMES, atol=1e-8)
+    np.testing.assert_allclose(found.values, VALUES, atol=1e-9)
+    assert found.interval == pytest.approx(0.01)
+
+
+LABVIEW = (
+    "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t{point}\nX_Columns\t{columns}\n"
+    "***End_of_Header***\t\n"
+)
+
+
+def segment(first, last, columns, names="tip_y\tF"):
+    head = (
+        f"\t\nChannels\t2\t\t\nSamples\t{last - first}\t\t\nDate\t2024/01/01\t\t\nTime\t10:11:12.3\t\t\n"
+        f"Y_Unit_Label\tmm\tN\t\nX_Dimension\tTime\tTime\t\nX0\t{TIMES[first]:g}\t{TIMES[first]:g}\t\n"
+        f"Delta_X\t0.01\t0.01\t\n***End_of_Header***\t\t\t\nX_Value\t{names}\tComment\n"
+    )
+    times = [f"{t:.6f}" if columns == "One" else "" for t in TIMES]
+    return head + "".join(f"{times[k]}\t{VALUES[k] * 1e3:.8g}\t{k}\n" for k in range(first, last))
+
+
+@pytest.mark.parametrize("columns", ["One", "No"])
+@pytest.mark.parametrize("point", [".", ","])
+def test_labview_segments_are_one_record_and_times_need_not_be_written(columns, point, tmp_path):
+    """The second segment alone was read before; its first sample is at X0."""
+    file = tmp_path / "record.lvm"
+    text = segment(0, 5, columns) + "\n" + segment(5, 12, columns)
+    head = LABVIEW.format(point=point, columns=columns)
+    file.write_text(head + text.replace(".", point))
+    found = read(file)
+    np.testing.assert_allclose(found.times, TIMES, atol=1e-9)
+    np.testing.assert_allclose(found.values, VALUES, atol=1e-9)
+
+
+def test_labview_segments_of_other_channels_are_refused(tmp_path):
+    file = tmp_path / "record.lvm"
+    head = LABVIEW.format(point=".", columns="One")
+    file.write_text(head + segment(0, 5, "One") + "\n" + segment(5, 12, "One", names="base_y\tF"))
+    with pytest.raises(vr.InputError, match=r"other channels than the first.*one segment a file"):
+        read(file)
+
+
+@pytest.mark.parametrize("word", ["", "NaN", "---", "#N/A", "1.#QNAN", "null"])
+def test_gaps_are_refused_or_left_out_by_name(word, tmp_path):
+    file = tmp_path / "record.csv"
+    lines = rows().splitlines()
+    lines[4] = lines[4].split(",")[0] + "," + word
+    file.write_text("t [s],tip_y [mm]\n" + "\n".join(lines) + "\n")
+    with pytest.raises(
+        vr.InputError, match=r"row 5 of the numbers: there is no number; give gaps='leave out'"
+    ):
+        read(file)
+    found = read(file, gaps="leave out")
+    np.testing.assert_allclose(found.values, np.delete(VALUES, 4), atol=1e-9)
+    assert found.interval is None
+    with pytest.raises(vr.InputError, match="use 'refuse' or 'leave out'"):
+        read(file, gaps="fill")
+
+
+def test_stamps_that_were_rounded_are_evenly_spaced():
+    """240 samples a second in whole milliseconds; one that is left out is more than rounding."""
+    times = np.round(np.arange(400) / 240.0, 3)
+    assert vr.Record(times, np.sin(times), **HOW).interval == pytest.approx(1.0 / 240.0, rel=1e-3)
+    assert vr.Record(np.delete(times, 200), np.sin(times[1:]), **HOW).interval is None
+    assert vr.Record(times**1.1, np.sin(times), **HOW).interval is None
+
+
+def test_values_alone_with_their_rate(tmp_path):
+    file = tmp_path / "record.csv"
+    file.write_text("tip_y [mm],F [N]\n" + "".join(f"{y * 1e3:.8g},1\n" for y in VALUES))
+    found = read(file, rate=100.0)
+    np.testing.assert_allclose(found.times, TIMES, atol=1e-12)
+    np.testing.assert_allclose(found.values, VALUES, atol=1e-9)
+    with pytest.raises(vr.InputError, match="rate: 0: it is not positive"):
+        read(file, rate=0.0)
+
+
+def matlab_5(folder):
+    from scipy.io import savemat
+
+    savemat(folder / "a.mat", {"trial": {"t_s": TIMES, "tip_y_mm": VALUES * 1e3, "who": "me"}, "fs": 100.0})
+    return folder / "a.mat", {"time": "t"}
+
+
+def matlab_73(folder):
+    import h5py
+
+    with h5py.File(folder / "a.mat", "w", userblock_size=512) as file:
+        trial = file.create_group("trial")
+        trial["t"], trial["tip_y"] = TIMES[None, :], 1e3 * VALUES[None, :]
+        file["fs"] = [[100.0]]
+        file["who"] = np.array([[109, 101]], dtype=np.uint16)
+        file["who"].attrs["MATLAB_class"] = np.bytes_("char")
+    with (folder / "a.mat").open("r+b") as raw:
+        raw.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(124) + b"\0\x02IM")
+    return folder / "a.mat", {"time": "t", "time_unit": "s", "unit": "mm"}
+
+
+def matlab_matrix(folder):
+    from scipy.io import savemat
+
+    savemat(folder / "a.mat", {"D": np.column_stack([TIMES, VALUES])})
+    return folder / "a.mat", {"value": "D(2)", "time": "D(1)", "time_unit": "s", "unit": "m"}
+
+
+def netcdf(folder):
+    dated(None).to_dataset().to_netcdf(folder / "a.nc")
+    return folder / "a.nc", {}
+
+
+def dated(_folder):
+    import pandas
+
+    stamps = pandas.to_datetime("2024-01-01") + pandas.to_timedelta(TIMES, unit="s")
+    return xr.DataArray(VALUES * 1e3, {"time": ("time", stamps)}, name="tip_y", attrs={"units": "mm"})
+
+
+def frame_of_dates(folder):
+    return dated(folder).to_series().rename("tip_y [mm]"), {}
+
+
+def frame_in_a_zone(folder):
+    return frame_of_dates(folder)[0].tz_localize("Europe/Vienna"), {}
+
+
+def frame_of_durations(_folder):
+    import pandas
+
+    frame = pandas.DataFrame({"t": pandas.to_timedelta(TIMES, unit="s"), "tip_y [mm]": VALUES * 1e3})
+    return frame, {"time": "t"}
+
+
+def frame_of_two_levels(_folder):
+    import pandas
+
+    names = pandas.MultiIndex.from_tuples([("t", "s"), ("tip_y", "[mm]")])
+    return pandas.DataFrame(np.column_stack([TIMES, VALUES * 1e3]), columns=names), {"time": "t"}
+
+
+def binary_uff(folder):
+    """A data set 58b, of the IEEE's numbers with the small end first, behind the head of a set 58."""
+    pyuff = pytest.importorskip("pyuff", reason="UFF files need the extra viscorod[records]")
+    one = pyuff.prepare_58(
+        func_type=1, rsp_node=3, rsp_dir=2, ref_dir=1, ref_node=1, data=VALUES, x=TIMES, id1="tip",
+        rsp_ent_name="NONE", ref_ent_name="NONE", abscissa_spacing=1, ordinate_spec_data_type=8,
+        orddenom_spec_data_type=0, abscissa_inc=0.01, ord_data_type=4,
+    )  # fmt: skip
+    pyuff.UFF(str(folder / "text.uff")).write_sets(one, "overwrite")
+    lines = (folder / "text.uff").read_bytes().split(b"\n")
+    raw = VALUES.astype("<f8").tobytes()
+    first = b"%6d%1s%6d%6d%12d%12d%6d%6d%12d%12d" % (58, b"b", 1, 2, 11, len(raw), 0, 0, 0, 0)
+    content = b"\n".join([b"    -1", first, *lines[2:13]]) + b"\n" + raw + b"\n    -1\n"
+    (folder / "a.uff").write_bytes(content)
+    return folder / "a.uff", {"value": "3:+y"}
+
+
+MAKERS = (
+    matlab_5, matlab_73, matlab_matrix, netcdf, lambda folder: (dated(folder), {}), frame_of_dates, frame_in_a_zone,
+    frame_of_durations, frame_of_two_levels, binary_uff,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("make", MAKERS)
+def test_other_files_and_objects(make, tmp_path):
+    source, how = make(tmp_path)
+    found = read(source, **how)
+    np.testing.assert_allclose(found.times, TIMES, atol=1e-9)
+    np.testing.assert_allclose(found.values, VALUES, rtol=1e-6, atol=1e-12)
