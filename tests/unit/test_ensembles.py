@@ -15,7 +15,8 @@ from viscorod.analyses.ensemble import _saltelli_rows
 from viscorod.analyses.sweeps.points import points_of, uniform_points
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.sweep_members import SweepRun
 from viscorod.results.sweep_result import Sweep
 

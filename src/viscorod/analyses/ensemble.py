@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -12,7 +13,8 @@ from viscorod.analyses.sweep import sweep
 from viscorod.analyses.sweeps.points import points_of, require_distributions, uniform_points
 from viscorod.casefile.case import Case
 from viscorod.errors import Fault, InputError, SolveError
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities
 from viscorod.typing import Floats
@@ -95,6 +97,10 @@ def ensemble(
         )
     except SolveError as error:
         raise SolveError(str(error), Ensemble.of_sweep(error.run, design)) from None
+    except InputError as error:
+        raise InputError(
+            [_of_drawn(fault, design) for fault in error.problems], heading=error.heading
+        ) from None
     return Ensemble.of_sweep(found, design)
 
 
@@ -106,6 +112,15 @@ def _saltelli_rows(uniform: Floats, d: int) -> Floats:
     for i in range(d):
         rows[:, 2 + i, i] = b[:, i]
     return rows.reshape(-1, d)
+
+
+def _of_drawn(fault: Fault, design: Design) -> Fault:
+    """Return a fault with what to do where its value was drawn."""
+    if fault.where not in design.keys:
+        return fault
+    drawn = design.distributions[design.keys.index(fault.where)]
+    advice = f"{drawn} gives such values; truncnorm, lognorm or uniform can be kept within what is allowed"
+    return replace(fault, instead=f"{fault.instead}; {advice}" if fault.instead else advice)
 
 
 def _text(distribution: Any) -> str:

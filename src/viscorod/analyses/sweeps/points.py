@@ -26,7 +26,7 @@ _ADVICE = "give a frozen distribution of SciPy, such as scipy.stats.norm(1.0e6, 
 
 
 def require_distributions(distributions: Any) -> None:
-    """Refuse what are no distributions of continuous numbers.
+    """Refuse what are no distributions of numbers.
 
     Raises:
         InputError: the first that is none.
@@ -65,7 +65,7 @@ def uniform_points(n: int, columns: int, seed: int) -> Floats:
 def points_of(
     uniform: Floats, distributions: Mapping[str, Any], correlation: Any = None
 ) -> dict[str, Floats]:
-    """Return values of every key ``(points,)`` from uniform points ``(points, keys)``.
+    """Return values of every key ``(points,)`` from uniform points ``(points, keys)``, whole ones if these are counts.
 
     Args:
         uniform: in the unit cube.
@@ -82,9 +82,14 @@ def points_of(
             ndtr(ndtri(uniform) @ _factor(correlation, len(distributions)).T), _EDGE, 1.0 - _EDGE
         )
     return {
-        key: np.asarray(found.ppf(column), dtype=float)
+        key: np.asarray(found.ppf(column), dtype=int if _counts(found) else float)
         for (key, found), column in zip(distributions.items(), uniform.T, strict=True)
     }
+
+
+def _counts(distribution: Any) -> bool:
+    """Return whether a distribution is one of whole numbers."""
+    return hasattr(getattr(distribution, "dist", distribution), "pmf")
 
 
 def _factor(correlation: Any, size: int) -> Floats:
