@@ -5,7 +5,7 @@ import math
 import pytest
 
 import viscorod as vr
-from viscorod.analyses.sweep import member_content
+from viscorod.analyses.sweeps.member_work import member_content
 from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted

@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
+from viscorod.results.told_members import told_members
 
 if TYPE_CHECKING:
     from viscorod.results.ensemble import Ensemble
@@ -29,10 +30,7 @@ def report_of(found: Ensemble) -> str:
     if design.indices:
         blocks += _indices(found)
     blocks.append(_errors(found))
-    told = [f"member {number}: {message}" for number, message in found.members.found.told().items()]
-    blocks += told[:MOST_MESSAGES]
-    if len(told) > MOST_MESSAGES:
-        blocks.append(f"and {len(told) - MOST_MESSAGES} more messages in the table")
+    blocks += told_members(found.members.found.told(), MOST_MESSAGES)
     return page([*blocks, *found.notes])
 
 

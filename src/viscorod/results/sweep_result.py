@@ -20,6 +20,7 @@ from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun
 from viscorod.results.sweep_record import members_of, record_of
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
+from viscorod.results.told_members import told_members
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
@@ -34,8 +35,8 @@ if TYPE_CHECKING:
 KIND = "sweep"
 DRAWN = 200
 """Members in a small drawing."""
-MOST_ROWS = 60
-"""Members that a report lists; a table has all."""
+MOST_ROWS, MOST_MESSAGES = 60, 20
+"""Members and messages that a report lists; a table has all."""
 
 
 class Sweep(WellNamed, Shown):
@@ -212,10 +213,7 @@ class Sweep(WellNamed, Shown):
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
         if len(self.members) > MOST_ROWS:
             blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
-        told = list(self.members.found.told().items())
-        blocks += [f"member {number}: {message}" for number, message in told[:MOST_ROWS]]
-        if len(told) > MOST_ROWS:
-            blocks.append(f"and {len(told) - MOST_ROWS} more messages in the table")
+        blocks += told_members(self.members.found.told(), MOST_MESSAGES)
         blocks += self.notes
         if self.separate:
             blocks.append(f"The members are kept apart: {self.separate}")
