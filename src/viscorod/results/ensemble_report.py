@@ -66,8 +66,8 @@ def _indices(found: Ensemble) -> list[str]:
         lines = [
             (
                 str(key),
-                f"{row.first:.2f} ({row.first_lower:.2f} to {row.first_upper:.2f})",
-                f"{row.total:.2f} ({row.total_lower:.2f} to {row.total_upper:.2f})",
+                f"{row.first:.2f} ({row.first_lower:.2f}, {row.first_upper:.2f})",
+                f"{row.total:.2f} ({row.total_lower:.2f}, {row.total_upper:.2f})",
             )
             for key, row in zip(rows.index, rows.itertuples(), strict=True)
         ]

@@ -18,7 +18,7 @@ from viscorod.model.fields.definition import show
 if TYPE_CHECKING:
     from viscorod.typing import Floats
 
-__all__ = ["MOST_POINTS", "points_of", "require_distributions", "uniform_points"]
+__all__ = ["MOST_POINTS", "distribution_text", "points_of", "require_distributions", "uniform_points"]
 
 MOST_POINTS = 1 << 24
 _EDGE = 1e-15  # how near to 0 and 1 a point may come, where unbounded distributions have no value
@@ -41,7 +41,8 @@ def require_distributions(distributions: Any) -> None:
         middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
         if middle.shape != (3,) or not np.isfinite(middle).all():
             why = "its parameters give no numbers, or several"
-            raise InputError(Fault(key, show(found), why, "give parameters that are single numbers"))
+            advice = "give single numbers, the deviation above 0"
+            raise InputError(Fault(key, distribution_text(found), why, advice))
 
 
 def uniform_points(n: int, columns: int, seed: int) -> Floats:
@@ -111,3 +112,12 @@ def _factor(correlation: Any, size: int) -> Floats:
             raise InputError(Fault("correlation", "", why, advice)) from None
         factor = axes * np.sqrt(np.maximum(sizes, 0.0))
     return factor
+
+
+def distribution_text(distribution: Any) -> str:
+    """Return a distribution in words, as SciPy calls it."""
+    name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
+    given = [f"{value:g}" for value in getattr(distribution, "args", ()) if np.ndim(value) == 0]
+    more = getattr(distribution, "kwds", {})
+    given += [f"{key}={value:g}" for key, value in more.items() if np.ndim(value) == 0]
+    return f"{name}({', '.join(given)})"
