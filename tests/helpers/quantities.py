@@ -31,3 +31,8 @@ def times_tip(factor):
         return factor * tip_at_end(result)
 
     return of_result
+
+
+def as_the_environment_says(result):
+    """Return the number that is in the environment of the process."""
+    return float(os.environ["TOLD_TO_WORKERS"])

@@ -5,7 +5,7 @@ import math
 import pytest
 
 import viscorod as vr
-from viscorod.analyses.sweep import member_content
+from viscorod.analyses.sweeps.member_work import member_content
 from viscorod.casefile.case import case_from_dict, load_case, parse_case
 from viscorod.casefile.json_schema import case_schema
 from viscorod.casefile.unit_conversion import converted
@@ -265,3 +265,18 @@ def test_members_of_a_sweep_may_be_quantities():
     assert notes == 2 * ("output_interval = 0.01 s, a 200th of the duration: the case gives none",)
     with pytest.raises(InputError, match=r"rods\.beam\.section\.radius: '5 kg': this is a mass"):
         vr.sweep(case, {key: ["5 mm", "5 kg"]})
+
+
+@pytest.mark.parametrize(
+    ("shared", "key"),
+    [(True, "sections.round.radius"), (False, "rods.beam.section.radius")],
+)
+def test_a_refused_quantity_is_the_only_thing_told(shared, key):
+    """A section that cannot be read leaves no rod; that is no mistake of its own."""
+    text = PLAIN.replace("radius = 0.01", 'radius = "5 kg"')
+    if shared:
+        inside = '{ shape = "circle", radius = "5 kg" }'
+        text = text.replace(inside, '"round"') + f"\n[sections]\nround = {inside}\n"
+    with pytest.raises(InputError) as caught:
+        parse_case(text)
+    assert [problem.where for problem in caught.value.problems] == [key]

@@ -15,7 +15,8 @@ from viscorod.analyses.ensemble import _saltelli_rows
 from viscorod.analyses.sweeps.points import points_of, uniform_points
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.sweep_members import SweepRun
 from viscorod.results.sweep_result import Sweep
 
@@ -86,6 +87,33 @@ def test_quantiles_of_a_lognormal_tip(beam):
     assert (indices["first_lower"] < first).all()
     assert (first < indices["first_upper"]).all()
     assert beam.quantiles((0.001,)).iloc[0]["lower"] == -np.inf
+
+
+def test_counts_are_whole_numbers():
+    column = points_of(uniform_points(64, 1, 1), {"rods.beam.elements": scipy.stats.randint(1, 4)})
+    values = column["rods.beam.elements"]
+    assert values.dtype == int
+    assert np.bincount(values).tolist()[1:] in ([21, 22, 21], [22, 21, 21], [21, 21, 22])  # a third each
+
+
+def test_impossible_draws_say_what_to_draw_from(held):
+    spread = {"sections.thin.width": scipy.stats.norm(0.01, 0.01)}
+    with pytest.raises(
+        vr.InputError, match=r"norm\(0.01, 0.01\) gives such values; truncnorm, lognorm or uniform"
+    ):
+        vr.ensemble(held, spread, 32, quantities=TIP, workers=1)
+
+
+def test_a_report_has_prefixes_and_begins_with_what_matters_most(held):
+    named = {"tip [m]": TIP["tip"]}
+    found = vr.ensemble(held, SPREAD, 16, quantities=named, seed=3, indices=True, workers=1, errors=0)
+    lines = found.report().splitlines()
+    at = next(k for k, line in enumerate(lines) if line.startswith("Quantiles of tip [mm]"))
+    shown = [float(line.split("%")[1].split()[0]) for line in lines[at + 2 : at + 5]]
+    np.testing.assert_allclose(shown, 1e3 * found.quantiles((0.05, 0.5, 0.95))["value"], rtol=1e-5)
+    at = next(k for k, line in enumerate(lines) if line.startswith("Sobol' indices of tip,"))
+    first = found.indices()["total"].idxmax()[1]
+    assert lines[at + 2].split()[0] == first
 
 
 def test_an_ensemble_is_kept(beam, tmp_path):

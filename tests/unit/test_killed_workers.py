@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from helpers.deadly_members import work
-from viscorod.analyses.sweep_workers import in_parallel
+from viscorod.analyses.sweeps.processes import in_parallel
 from viscorod.errors import InputError
 
 DONE = ("", "completed")
@@ -25,6 +25,15 @@ def test_a_killed_member_is_tried_again_and_no_other_is_lost(tmp_path):
     found = computed([{}, once, {"seconds": 0.5}, {}])
     assert found == [(k**2, *DONE) for k in range(4)]
     assert (tmp_path / "1").read_text() == "xx"
+
+
+def test_members_that_wait_behind_a_killed_one_are_computed_once(tmp_path):
+    """Short members wait in the process already; those behind one that kills it count as not begun."""
+    jobs = [{"counted": str(tmp_path), "seconds": 0.01} for _ in range(24)]
+    jobs[9] |= {"folder": str(tmp_path), "signal": "SIGKILL", "deaths": 2}
+    assert computed(jobs) == [(k**2, *DONE) for k in range(24)]
+    assert (tmp_path / "9").read_text() == "xx"
+    assert [(tmp_path / f"{k}-computed").read_text() for k in range(24)] == ["x"] * 24
 
 
 def test_a_member_that_always_kills_its_process_is_its_own_failure(tmp_path):
@@ -48,7 +57,7 @@ def test_what_cannot_be_handed_over_is_its_own_failure():
 
 
 def test_processes_that_end_before_they_begin_are_one_message(monkeypatch):
-    monkeypatch.setattr("viscorod.analyses.sweep_workers._serve", os._exit)
+    monkeypatch.setattr("viscorod.analyses.sweeps.processes._serve", os._exit)
     with pytest.raises(InputError, match="no worker process could be started"):
         in_parallel(work, [{"number": 0}], [0], {}, 1, threading.Event(), None)
     assert not multiprocessing.active_children()

@@ -27,10 +27,16 @@ def test_citation_and_changelog_have_the_version():
 def test_recipe_for_conda_asks_for_what_the_package_asks_for():
     lines = (ROOT / "packaging" / "conda" / "recipe.yaml").read_text(encoding="utf-8").splitlines()
     run = lines[lines.index("  run:") + 1 :]
-    asked = dependencies(line.strip("- ") for line in run[: run.index("")])
+    run = run[: run.index("")]
+    needed, optional = run[: run.index("  run_constraints:")], run[run.index("  run_constraints:") + 1 :]
+    asked = dependencies(line.strip("- ") for line in needed)
     asked["matplotlib"] = asked.pop("matplotlib-base")
     assert asked.pop("python") == "${{ python_min }}"
     assert asked == dependencies(PROJECT["dependencies"])
+    extras = PROJECT["optional-dependencies"]
+    known = dependencies(extras["store"]) | {"dask": dependencies(extras["cluster"])["dask"]}
+    known.pop("xarray")  # which is needed in any case, there of an earlier version
+    assert dependencies(line.strip("- ") for line in optional) == known
 
 
 @pytest.mark.parametrize("extra", [name for name in PROJECT["optional-dependencies"] if name != "all"])

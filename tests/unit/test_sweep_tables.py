@@ -18,6 +18,7 @@ from helpers.plain_text import flat
 from helpers.quantities import ends_its_process_once, scaled_tip, times_tip, tip_at_end
 from helpers.strip import content
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps import member_work
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
@@ -124,6 +125,26 @@ def test_rows_of_tables_and_files(held, tmp_path):
             vr.sweep(held, tmp_path / wrong, workers=1)
 
 
+@pytest.mark.parametrize(
+    ("column", "words"),
+    [
+        (
+            pd.Series([1e-4, np.nan]),
+            f"{FORCE.replace('[', '.').replace(']', '.')} in row 1: the table has no value",
+        ),
+        (pd.Series([None, 1], dtype="Int64"), "in row 0: the table has no value there"),
+        (pd.Series([], dtype=float), "the table has no rows"),
+    ],
+)
+def test_gaps_of_tables_are_told(held, column, words):
+    with pytest.raises(vr.InputError, match=words):
+        vr.sweep(held, pd.DataFrame({FORCE: column}), workers=1)
+
+
+def test_ranges_are_lists_of_values():
+    assert list(rows_of({"rods.beam.elements": range(1, 4)}).columns["rods.beam.elements"]) == [1, 2, 3]
+
+
 WRONG = [
     ({"tip": ("displacment", "beam.end", "y", "max")}, "quantities.tip: displacment: no quantity"),
     ({"tip": ("displacement", "beam.end", "y")}, "more words are needed"),
@@ -140,7 +161,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("quantities", "words"), WRONG)
 def test_wrong_quantities_are_refused_before_anything_runs(swing, quantities, words, monkeypatch):
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(member_work, "run_case", lambda *_, **__: pytest.fail("computed"))
     with pytest.raises(vr.InputError) as caught:
         vr.sweep(swing, {SHEAR: [0.01, 0.02]}, quantities=quantities, workers=1)
     assert words in str(caught.value)
@@ -240,7 +261,7 @@ def test_what_is_on_disk_is_not_computed_again(swing, fields, tmp_path, monkeypa
         done.append(case.content["materials"]["rubber"]["damping"]["shear_time"])
         return run_case(case, **options)
 
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", counted)
+    monkeypatch.setattr(member_work, "run_case", counted)
     second = vr.sweep(swing, values, **given, folder=folder)
     assert done == [0.02, 0.03]
     assert second.table()["tip"].tolist() == whole.table()["tip"].tolist()
@@ -265,10 +286,10 @@ def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):
             raise vr.SolveError("it broke")
         return run_case(case, **options)
 
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", fails)
+    monkeypatch.setattr(member_work, "run_case", fails)
     given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path}
     vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given)
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed again"))
+    monkeypatch.setattr(member_work, "run_case", lambda *_, **__: pytest.fail("computed again"))
     table = vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given).table()
     assert table["outcome"].tolist() == ["completed", "failed"]
     assert table["message"].tolist() == ["", "it broke"]

@@ -11,12 +11,14 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-import viscorod.analyses.sweep
 from helpers.plain_text import flat
+from helpers.quantities import as_the_environment_says
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps import member_work
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
 from viscorod.results.run import Equilibrium, Run
+from viscorod.results.told_members import told_members
 
 SWING = """
 title = "A swing"
@@ -162,7 +164,7 @@ def test_a_failing_member_leaves_the_others_alone(case, monkeypatch, tmp_path):
             raise ZeroDivisionError("a defect")
         return run
 
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", fails_in_the_middle)
+    monkeypatch.setattr(member_work, "run_case", fails_in_the_middle)
     fresh = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03, 0.04, 0.05]}, workers=1)
     for sweep in (fresh, vr.load(fresh.save(tmp_path / "sweep.nc"))):
         assert [m.outcome for m in sweep.members] == ["completed", "slow", "refused", "failed", "completed"]
@@ -218,7 +220,7 @@ WRONG = [
 
 @pytest.mark.parametrize(("values", "words"), WRONG)
 def test_wrong_keys_and_values_are_refused_before_anything_runs(case, values, words, monkeypatch):
-    monkeypatch.setattr(viscorod.analyses.sweep, "run_case", lambda *_, **__: pytest.fail("computed"))
+    monkeypatch.setattr(member_work, "run_case", lambda *_, **__: pytest.fail("computed"))
     given = copy.deepcopy(values)
     with pytest.raises(vr.InputError) as caught:
         vr.sweep(case, values, workers=1)
@@ -315,3 +317,30 @@ def test_modes_and_responses_are_swept(kind, tmp_path):
     np.testing.assert_array_equal(getattr(found, quantity), getattr(swept.members[0].result, quantity))
     if kind == "response":
         assert float(swept.data["peak"][1]) == alone.amplification().max()
+
+
+@pytest.mark.slow
+def test_processes_see_the_environment_of_now(case, monkeypatch):
+    """Processes may be copies of one that started with an earlier sweep: what changed since then reaches them."""
+    tips = []
+    for told in (3.0, 4.0):
+        monkeypatch.setenv("TOLD_TO_WORKERS", str(told))
+        given = {"tip": ("displacement", "beam.end", "y", "last"), "told": as_the_environment_says}
+        table = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03]}, quantities=given, workers=2).table()
+        assert table["told"].tolist() == [told] * 3
+        tips.append(table["tip"].tolist())
+    alone = vr.sweep(case, {SHEAR: [0.01, 0.02, 0.03]}, quantities=given, workers=1).table()
+    assert tips[0] == tips[1] == alone["tip"].tolist()
+
+
+def test_members_of_whom_the_same_is_told_share_a_line():
+    told = dict.fromkeys([*range(3, 9), 11, 13, 14], "stopped") | {20: "broke"}
+    assert told_members(told, 5) == ["members 3 to 8, 11, 13, 14: stopped", "member 20: broke"]
+    assert told_members(told, 1) == [
+        "members 3 to 8, 11, 13, 14: stopped",
+        "and messages of 1 more members in the table",
+    ]
+    assert told_members(dict.fromkeys(range(0, 40, 2), "slow"), 5) == [
+        "20 members (0, 2, 4, 6, 8, 10, 12, 14, ...): slow"
+    ]
+    assert told_members({}, 5) == []

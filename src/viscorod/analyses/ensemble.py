@@ -3,16 +3,23 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
 from viscorod.analyses.sweep import sweep
-from viscorod.analyses.sweeps.points import points_of, require_distributions, uniform_points
+from viscorod.analyses.sweeps.points import (
+    distribution_text,
+    points_of,
+    require_distributions,
+    uniform_points,
+)
 from viscorod.casefile.case import Case
 from viscorod.errors import Fault, InputError, SolveError
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities
 from viscorod.typing import Floats
@@ -76,7 +83,9 @@ def ensemble(
     uniform = uniform_points(n, len(keys) * (2 if indices else 1), seed)
     rows = _saltelli_rows(uniform, len(keys)) if indices else uniform
     columns = points_of(rows, distributions, correlation)
-    design = Design(keys, tuple(map(_text, distributions.values())), int(n), int(seed), bool(indices))
+    design = Design(
+        keys, tuple(map(distribution_text, distributions.values())), int(n), int(seed), bool(indices)
+    )
     if folder is not None:
         SweepFolder(Path(folder)).describe(design.record)
     try:
@@ -95,6 +104,10 @@ def ensemble(
         )
     except SolveError as error:
         raise SolveError(str(error), Ensemble.of_sweep(error.run, design)) from None
+    except InputError as error:
+        raise InputError(
+            [_of_drawn(fault, design) for fault in error.problems], heading=error.heading
+        ) from None
     return Ensemble.of_sweep(found, design)
 
 
@@ -108,10 +121,10 @@ def _saltelli_rows(uniform: Floats, d: int) -> Floats:
     return rows.reshape(-1, d)
 
 
-def _text(distribution: Any) -> str:
-    """Return a distribution in words, as SciPy calls it."""
-    name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
-    given = [f"{value:g}" for value in getattr(distribution, "args", ()) if np.ndim(value) == 0]
-    more = getattr(distribution, "kwds", {})
-    given += [f"{key}={value:g}" for key, value in more.items() if np.ndim(value) == 0]
-    return f"{name}({', '.join(given)})"
+def _of_drawn(fault: Fault, design: Design) -> Fault:
+    """Return a fault with what to do where its value was drawn."""
+    if fault.where not in design.keys:
+        return fault
+    drawn = design.distributions[design.keys.index(fault.where)]
+    advice = f"{drawn} gives such values; truncnorm, lognorm or uniform can be kept within what is allowed"
+    return replace(fault, instead=f"{fault.instead}; {advice}" if fault.instead else advice)

@@ -2,51 +2,42 @@
 
 from __future__ import annotations
 
-import copy
-import pickle
-import signal
 import threading
-from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from contextlib import contextmanager, nullcontext
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.progress import counting
-from viscorod.analyses.sweep_workers import FAILED, UNTOUCHED, in_parallel
+from viscorod.analyses.sweeps.before_computing import checked, require_sendable
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
+from viscorod.analyses.sweeps.member_work import MemberWork
 from viscorod.analyses.sweeps.process_start import prepare
+from viscorod.analyses.sweeps.processes import UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.rows import Columns, Row, Values, rows_of
-from viscorod.casefile.case import Case, case_from_dict, load_case
-from viscorod.casefile.case_keys import put
+from viscorod.analyses.sweeps.stopping import stopping
+from viscorod.casefile.case import Case, load_case
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
-from viscorod.results.quantities import Quantities, Quantity, evaluated, quantities_of
-from viscorod.results.sweep_figures import figures_of
-from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found, FoundMembers, Rows, SweepMembers
+from viscorod.results.quantities import Quantities, quantities_of
+from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
 from viscorod.results.sweep_result import Sweep
-from viscorod.solve.settings.motion import SimulateSettings
 
 __all__ = ["sweep"]
 
 Progress: TypeAlias = Callable[[float], None]
 
-OUTPUTS = 200
-"""Stored states of a run whose case gives no output_interval."""
 LOOKED_AT = 2000
 """Members that are looked at before any is computed."""
 MOST_ERRORS = 64
 """Members whose errors are estimated unless told otherwise."""
-UNFINISHED = ("interrupted", NOT_RUN)
-"""Outcomes of members that are computed again by the next call."""
 
 
 def sweep(
@@ -126,7 +117,7 @@ def sweep(
         store.take(names, found)
     due = [k for k in _chosen(len(rows), members) if k not in found]
     # what is there already was looked at before
-    notes = _checked(case, [rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])], wanted, keep)
+    notes = checked(case, [rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])], wanted, keep)
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     if store is not None:
@@ -147,7 +138,7 @@ def sweep(
 
     broken = ""
     showing = counting(len(rows), "members") if progress is True else nullcontext(progress or None)
-    with _stopping() as stop, little_garbage(), showing as shown:
+    with stopping() as stop, little_garbage(), showing as shown:
         if not due:
             told(0.0)
         elif count is None:
@@ -156,7 +147,7 @@ def sweep(
         elif min(count, len(due)) == 1 and (executor is None or count == 1):
             _alone(work, jobs, due, found, stop, told)
         else:
-            _require_sendable(work)
+            require_sendable(work)
             in_parallel(work, jobs, due, found, min(count, len(due)), stop, told)
         stopped = stop.is_set()
     result = Sweep(SweepMembers(rows, found), case.title, notes)
@@ -205,164 +196,6 @@ def _estimated(count: int, errors: int | None, keep: bool) -> set[int]:
     return set(np.linspace(0, count - 1, some, dtype=int).tolist()) if some < count else set(range(count))
 
 
-def _checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
-    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members."""
-    notes: list[str] = []
-    problems: dict[tuple[str, str], Fault] = {}
-    places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
-    for k, row in enumerate(rows):
-        try:
-            content, note = member_content(case.content, case.source, row, keep)
-            member = case_from_dict(content, case.source)
-            if k == 0 and places:
-                _require_places(member, places)
-        except InputError as error:
-            for problem in error.problems:  # the same mistake in many members is reported once
-                problems.setdefault((problem.where, problem.why), problem)
-            continue
-        notes += [note] if note else []
-    if problems:
-        raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
-    return list(dict.fromkeys(notes))
-
-
-def _require_places(case: Case, places: Mapping[str, str]) -> None:
-    """Refuse places that the model does not have."""
-    try:
-        discrete = discretised_case(case)
-    except InputError:  # that is a failure of this member
-        return
-    for place, name in places.items():
-        try:
-            discrete.place(place)
-        except InputError as error:
-            raise InputError(Fault(f"quantities.{name}", place, str(error), "")) from None
-
-
-def _require_sendable(work: MemberWork) -> None:
-    """Refuse functions that other processes would not find."""
-    for quantity in work.quantities:
-        try:
-            pickle.dumps(quantity)
-        except (pickle.PicklingError, AttributeError, TypeError):
-            why = "this function cannot be sent to other processes"
-            instead = "define it in a module, give workers=1, or executor='threads:2'"
-            raise InputError(Fault(f"quantities.{quantity.name}", "", why, instead)) from None
-
-
-def member_content(
-    content: Mapping[str, Any], source: Path | None, row: Row, keep: bool
-) -> tuple[dict[str, Any], str]:
-    """Return the content of the case file of a member, and what was chosen for it.
-
-    Raises:
-        InputError: there is no such key, or what is there is wrong.
-    """
-    own = copy.deepcopy(dict(content))
-    for key, value in row.items():
-        put(own, key, value)
-    table = own.get("simulate")
-    if keep and isinstance(table, dict) and "output_interval" not in table:
-        settings = case_from_dict(own, source).settings
-        if not isinstance(settings, SimulateSettings):
-            return own, ""
-        table["output_interval"] = interval = settings.duration / OUTPUTS
-        return own, f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
-    return own, ""
-
-
-@dataclass(frozen=True)
-class MemberWork:
-    """What is done with the values of a member, where its worker is.
-
-    Attributes:
-        content, title, source: of the case.
-        quantities: that are computed of its result.
-        keep: keep that result.
-        folder: of the sweep, if it has one.
-    """
-
-    content: Mapping[str, Any]
-    title: str
-    source: Path | None
-    quantities: tuple[Quantity, ...]
-    keep: bool
-    folder: SweepFolder | None
-
-    def __call__(
-        self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
-    ) -> Found:
-        """Compute one member and record it."""
-        row, name, errors = job
-        try:
-            content, _ = member_content(self.content, self.source, row, self.keep)
-        except InputError as error:
-            found: Found = None, str(error), "refused"
-        else:
-            found = _compute((content, self.title, self.source, errors), tell, stopped)
-        result, message, outcome = found
-        numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
-        parts = {
-            "message": "; ".join(filter(None, [message, *wrong])),
-            "outcome": outcome,
-            "quantities": numbers,
-            "measured": {} if self.keep and self.folder is None else figures_of(result),
-        }
-        stored = result if self.keep else None
-        if self.folder is not None and outcome not in UNFINISHED:
-            try:
-                stored = self.folder.add(name, parts, stored)
-            except (OSError, InputError) as error:  # a full disk; the next call computes it again
-                why = f"it was computed, but cannot be kept in {self.folder.path} ({error})"
-                return None, why, FAILED, numbers, parts["measured"]
-        return stored, *parts.values()
-
-
-Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
-
-
-class _Stop:
-    """Returns why a member is to end, if it is.
-
-    Attributes:
-        patient: it may be called after some short steps that are taken at once, as in a run by itself.
-    """
-
-    patient = True
-
-    def __init__(self, stopped: Callable[[], bool]) -> None:
-        self._stopped = stopped
-
-    def __call__(self) -> str:
-        return "the sweep was stopped" if self._stopped() else ""
-
-
-def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
-    """Do one member; whatever goes wrong is recorded, not raised."""
-    content, title, source, errors = job
-    try:
-        case = case_from_dict({"title": title, **content}, source)
-        course = case.settings.course
-
-        def progress(reached: float, _step: float) -> None:
-            tell(course.part(reached))
-
-        return (
-            run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),
-            "",
-            "completed",
-        )
-    except SolveError as error:
-        without = "interrupted" if stopped() else "failed"
-        return error.run, str(error), without if error.run is None else error.run.outcome
-    except InputError as error:
-        return None, str(error), "refused"
-    except KeyboardInterrupt:
-        return None, "interrupted from the keyboard", "interrupted"
-    except Exception as error:  # one member's defect must not cost the others their results
-        return None, f"{type(error).__name__}: {error}", FAILED
-
-
 def _alone(
     work: MemberWork,
     jobs: Sequence[Any],
@@ -380,23 +213,3 @@ def _alone(
         found[number] = UNTOUCHED if stop.is_set() else work(jobs[number], tell, stop.is_set)
         if not stop.is_set():
             progress(k + 1.0)
-
-
-@contextmanager
-def _stopping() -> Iterator[threading.Event]:
-    """Yield an event that the first Ctrl-C sets; the second one does what it always does."""
-    stop = threading.Event()
-    if threading.current_thread() is not threading.main_thread():
-        yield stop
-        return
-    before = signal.getsignal(signal.SIGINT)
-
-    def on_interrupt(_number: int, _frame: Any) -> None:
-        stop.set()
-        signal.signal(signal.SIGINT, before)
-
-    signal.signal(signal.SIGINT, on_interrupt)
-    try:
-        yield stop
-    finally:
-        signal.signal(signal.SIGINT, before)

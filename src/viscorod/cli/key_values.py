@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 import tomllib
+from contextlib import suppress
 from typing import Annotated, Any
 
 import typer
@@ -12,7 +13,10 @@ from viscorod.errors import InputError
 
 __all__ = ["SetValues", "column_of", "drawn", "grid_of", "named", "part_of", "value_of"]
 
-_RANGE = re.compile(r"\s*([^:,\s]+)\s*:\s*([^:,\s]+)\s*:\s*(\d+)\s*")
+_RANGE = re.compile(r"\s*([^:,]+?)\s*:\s*([^:,]+?)\s*:\s*(\d+)\s*")
+_NUMBER = r"((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))"
+_QUANTITY = re.compile(rf"([\s\[]*){_NUMBER}\s*([^\W\d_][^,:\[\]\"']*?|[°%][^,:\[\]\"']*?)([\s\]]*)")
+"""A number with a unit, perhaps the first or last one of a list."""
 _CALL = re.compile(r"\s*([a-z_0-9]+)\s*\(([^()]*)\)\s*")
 SetValues = Annotated[
     list[str] | None,
@@ -32,16 +36,26 @@ def column_of(text: str, flag: str = "--set") -> tuple[str, list[Any]]:
         InputError: there is no key, or no value.
     """
     key, sign, values = text.partition("=")
-    try:
-        column = tomllib.loads(f"values = [{values}]")["values"]
-    except tomllib.TOMLDecodeError:
-        column = []
+    column: list[Any] = []
+    for written in (values, _quoted(values)):
+        with suppress(tomllib.TOMLDecodeError):
+            column = tomllib.loads(f"values = [{written}]")["values"]
+            break
     if not sign or not column:
+        a_range = "a range such as 0.01:0.05:9 (first, last, number), or " if flag == "--grid" else ""
         raise InputError(
-            f"{flag} {text}: give a key and values as in a case file, separated by commas, such as "
+            f"{flag} {text}: give a key and {a_range}values as in a case file, separated by commas, such as "
             'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
         )
     return key.strip(), column
+
+
+def _quoted(values: str) -> str:
+    """Return values with quantities such as 10 mm in quotes, which shells take away."""
+    pieces = [(piece, _QUANTITY.fullmatch(piece)) for piece in values.split(",")]
+    return ",".join(
+        f'{found[1]}"{found[2]} {found[3]}"{found[4]}' if found else piece for piece, found in pieces
+    )
 
 
 def value_of(text: str) -> tuple[str, Any]:
@@ -68,13 +82,24 @@ def grid_of(text: str) -> tuple[str, list[Any]]:
     found = _RANGE.fullmatch(values)
     if not sign or found is None:
         return column_of(text, "--grid")
+    (first, unit), (last, other), count = _parts(found[1]), _parts(found[2]), int(found[3])
+    if first is None or last is None or unit != other or count < 2:
+        raise InputError(
+            f"--grid {text}: write KEY=FIRST:LAST:NUMBER with two numbers, of one unit if they have one, and a number "
+            "of 2 or more"
+        )
+    numbers = [(first * (count - 1 - k) + last * k) / (count - 1) for k in range(count)]
+    return key.strip(), [f"{number!r} {unit}" for number in numbers] if unit else numbers
+
+
+def _parts(text: str) -> tuple[float | None, str]:
+    """Return a number and its unit; None if there is no number."""
+    found = _QUANTITY.fullmatch(text.strip("\"'"))
+    number, unit = (found[2], found[3]) if found else (text, "")
     try:
-        first, last, count = float(found[1]), float(found[2]), int(found[3])
+        return float(number), unit
     except ValueError:
-        count = 0
-    if count < 2:
-        raise InputError(f"--grid {text}: write KEY=FIRST:LAST:NUMBER with a number of 2 or more")
-    return key.strip(), [(first * (count - 1 - k) + last * k) / (count - 1) for k in range(count)]
+        return None, ""
 
 
 def named(text: str) -> tuple[str, str]:
@@ -100,7 +125,7 @@ def drawn(text: str) -> tuple[str, Any]:
     key, sign, words = text.partition("=")
     found = _CALL.fullmatch(words)
     kind = getattr(scipy.stats, found[1], None) if found else None
-    if not sign or found is None or not isinstance(kind, scipy.stats.rv_continuous):
+    if not sign or found is None or not isinstance(kind, scipy.stats.rv_continuous | scipy.stats.rv_discrete):
         raise InputError(
             f"--draw {text}: write KEY=DISTRIBUTION as SciPy calls it, such as norm(1e6, 5e4) with mean and standard "
             "deviation, or uniform(0.9, 0.2) with the least value and the width"

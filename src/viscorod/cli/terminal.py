@@ -127,16 +127,11 @@ def rows_text(title: str, rows: Sequence[Mapping[str, object]], *, prefixes: boo
 
 def _column(key: str, values: Sequence[object], prefixes: bool) -> Column:
     """Return the header and the cells of a column."""
-    from viscorod.results.text_numbers import scaled
+    from viscorod.results.text_numbers import prefixed
 
     floats = [value for value in values if isinstance(value, float)]
-    name, bracket, unit = key.partition(" [")
-    if not prefixes or not bracket or not unit.endswith("]") or not floats:
-        return key, [cell(value) for value in values]
-    factor, unit = scaled(unit[:-1], floats)
-    return f"{name} [{unit}]", [
-        cell(factor * value if isinstance(value, float) else value) for value in values
-    ]
+    name, factor = prefixed(key, floats) if prefixes and floats else (key, 1.0)
+    return name, [cell(factor * value if isinstance(value, float) else value) for value in values]
 
 
 def cell(value: object) -> str:

@@ -27,6 +27,8 @@ PURPLE = "#CC79A7"
 INK, GREY, LIGHT = "#222222", "#8a8a8a", "#d8d8d8"
 TEXT, SMALL = 11.0, 9.5
 MINUS = "\N{MINUS SIGN}"
+_LETTER = 0.62
+"""Width of a letter over its size, on average."""
 _UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
 """Of the axes that get a prefix."""
 DPI = 120
@@ -72,8 +74,7 @@ def legend_of_all(picture: Figure, height: float) -> None:
 def titled(result: Result, width: float, height: float) -> Figure:
     """Return an empty figure [inches] with the title of the case, if it has one."""
     picture = figure(width, height)
-    if result.title:
-        picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    headline(picture, result.title)
     return picture
 
 
@@ -118,6 +119,14 @@ def clean(axes: Axes, xlabel: str, ylabel: str) -> None:
     axes.set_axisbelow(True)
     for side in ("top", "right"):
         axes.spines[side].set_visible(False)
+
+
+def headline(picture: Figure, text: str) -> None:
+    """Put the title of a case above a picture, flush left; one that is too long ends with dots."""
+    room = int(72.0 * picture.get_figwidth() / (_LETTER * (TEXT + 2.0)))
+    shown = text if len(text) <= room else f"{text[: room - 1].rstrip()}…"
+    if shown:
+        picture.suptitle(shown, fontsize=TEXT + 2.0, x=0.01, ha="left")
 
 
 def legend_above(axes: Axes, columns: int) -> None:

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
@@ -13,8 +11,9 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
+from viscorod.results.ensemble_design import Design
+from viscorod.results.ensemble_report import report_of
 from viscorod.results.sweep_result import Sweep
-from viscorod.results.text_table import page, table
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -30,54 +29,6 @@ LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
 RESAMPLES = 400
 LEAST = 8
 """Members from which on there are quantiles and indices."""
-
-
-@dataclass(frozen=True)
-class Design:
-    """How the members of an ensemble were chosen.
-
-    Attributes:
-        keys: that are uncertain.
-        distributions: theirs, in words.
-        n: number of points.
-        seed: of the sequence.
-        indices: whether every point has rows for Sobol' indices: A, B and one per key.
-    """
-
-    keys: tuple[str, ...]
-    distributions: tuple[str, ...]
-    n: int
-    seed: int
-    indices: bool
-
-    @property
-    def members(self) -> int:
-        """How many members it has."""
-        return self.n * (len(self.keys) + 2 if self.indices else 1)
-
-    @property
-    def record(self) -> str:
-        """The design as JSON."""
-        return json.dumps(asdict(self))
-
-    @classmethod
-    def of_record(cls, text: str, where: str) -> Design:
-        """Return the design that was recorded.
-
-        Raises:
-            InputError: the record is damaged.
-        """
-        try:
-            found = json.loads(text)
-            return cls(
-                tuple(map(str, found["keys"])),
-                tuple(map(str, found["distributions"])),
-                int(found["n"]),
-                int(found["seed"]),
-                bool(found["indices"]),
-            )
-        except (KeyError, TypeError, ValueError):
-            raise InputError(f"{where} is damaged: it does not say how its members were chosen") from None
 
 
 class Ensemble(Sweep):
@@ -237,69 +188,7 @@ class Ensemble(Sweep):
 
     def report(self) -> str:
         """Return the distributions, quantiles of all quantities, indices, how it converges, and what failed."""
-        design = self.design
-        count = f"{len(self.members)} members, {len(self.completed)} completed"
-        drawn = list(zip(design.keys, design.distributions, strict=True))
-        blocks = [
-            table(f"{self.title}: {count}" if self.title else count, ("key", "drawn from"), drawn),
-        ]
-        try:
-            quantiles = self.quantiles((0.05, 0.5, 0.95))
-        except InputError as error:
-            blocks.append(str(error))
-        else:
-            lines = [
-                (
-                    str(name),
-                    f"{100.0 * level:g} %",
-                    f"{row.value:.6g}",
-                    f"{row.lower:.6g}",
-                    f"{row.upper:.6g}",
-                    f"{row.half:.6g}",
-                )
-                for (name, level), row in zip(quantiles.index, quantiles.itertuples(), strict=True)
-            ]
-            header = ("quantity", "quantile", "value", "95 % from", "to", "first half")
-            blocks.append(table("Quantiles", header, lines))
-        if design.indices:
-            blocks.append(self._indices_text())
-        blocks.append(self._errors_text())
-        told = [f"member {member.number}: {member.message}" for member in self.members if member.message]
-        blocks += told[:10]
-        if len(told) > 10:
-            blocks.append(f"and {len(told) - 10} more messages in the table")
-        return page([*blocks, *self.notes])
-
-    def _errors_text(self) -> str:
-        """Say what mesh and steps leave, of the members for which that was estimated."""
-        rows = [member.figures() for member in self.completed]
-        parts = []
-        for name, what, unit in (
-            ("mesh_error", "by the mesh", "of the length"),
-            ("step_error", "by the steps", "m"),
-        ):
-            known = [row[name] for row in rows if name in row]
-            if known:
-                parts.append(f"{what} {max(known):.1g} {unit} ({len(known)} of {len(rows)} members)")
-        if not parts:
-            return "Errors of mesh and steps were not estimated."
-        return f"Positions are off, at most and as estimated, {' and '.join(parts)}."
-
-    def _indices_text(self) -> str:
-        try:
-            found = self.indices()
-        except InputError as error:
-            return str(error)
-        lines = [
-            (
-                str(name),
-                str(key),
-                f"{row.first:.3f} ({row.first_lower:.3f} to {row.first_upper:.3f})",
-                f"{row.total:.3f} ({row.total_lower:.3f} to {row.total_upper:.3f})",
-            )
-            for (name, key), row in zip(found.index, found.itertuples(), strict=True)
-        ]
-        return table("Sobol' indices (95 %)", ("quantity", "key", "alone", "in all"), lines)
+        return report_of(self)
 
     @checked
     def plot(

@@ -18,7 +18,9 @@ from viscorod.results.stacked_members import along_members, difference, stacked
 from viscorod.results.sweep_figures import FIGURES, shown
 from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun
 from viscorod.results.sweep_record import members_of, record_of
+from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
+from viscorod.results.told_members import told_members
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
@@ -33,8 +35,8 @@ if TYPE_CHECKING:
 KIND = "sweep"
 DRAWN = 200
 """Members in a small drawing."""
-MOST_ROWS = 60
-"""Members that a report lists; a table has all."""
+MOST_ROWS, MOST_MESSAGES = 60, 20
+"""Members and messages that a report lists; a table has all."""
 
 
 class Sweep(WellNamed, Shown):
@@ -184,15 +186,16 @@ class Sweep(WellNamed, Shown):
         listed = self.members[:MOST_ROWS]
         figures = [member.figures() for member in listed]
         columns = shown(figures)
-        numbers = [
-            name
-            for name in self.quantities
-            if not any(isinstance(member.quantities.get(name), list) for member in listed)
-        ]
+        numbers = {
+            name: column[:MOST_ROWS]
+            for name, column in self.members.found.quantities.items()
+            if name not in self.members.found.histories
+        }
+        heads = {name: prefixed(name, column[np.isfinite(column)]) for name, column in numbers.items()}
         header = (
             "member",
             *self.parameters,
-            *numbers,
+            *(head for head, _ in heads.values()),
             *(FIGURES[name].heading for name in columns),
             "outcome",
         )
@@ -200,7 +203,7 @@ class Sweep(WellNamed, Shown):
             (
                 str(member.number),
                 *(_text(value) for value in member.values.values()),
-                *(f"{member.quantities[name]:.6g}" if name in member.quantities else "-" for name in numbers),
+                *(_number(heads[name][1] * column[member.number]) for name, column in numbers.items()),
                 *(FIGURES[name].show(row[name]) if name in row else "-" for name in columns),
                 member.outcome,
             )
@@ -210,10 +213,7 @@ class Sweep(WellNamed, Shown):
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
         if len(self.members) > MOST_ROWS:
             blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
-        told = list(self.members.found.told().items())
-        blocks += [f"member {number}: {message}" for number, message in told[:MOST_ROWS]]
-        if len(told) > MOST_ROWS:
-            blocks.append(f"and {len(told) - MOST_ROWS} more messages in the table")
+        blocks += told_members(self.members.found.told(), MOST_MESSAGES)
         blocks += self.notes
         if self.separate:
             blocks.append(f"The members are kept apart: {self.separate}")
@@ -289,6 +289,10 @@ class Sweep(WellNamed, Shown):
         """Return the sweep whose file is ``path`` and whose root is ``data``."""
         members, notes = members_of(data, path)
         return cls(members, str(data.attrs.get("title", "")), notes)
+
+
+def _number(value: float) -> str:
+    return "-" if np.isnan(value) else number(value)
 
 
 def _text(value: Any) -> str:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["even", "number", "percent", "quantity", "scaled"]
+__all__ = ["even", "number", "percent", "prefixed", "quantity", "scaled"]
 
 _POWERS = {24: "Y", 21: "Z", 18: "E", 15: "P", 12: "T", 9: "G", 6: "M", 3: "k", 0: ""}
 _POWERS |= {-3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -21: "z", -24: "y"}
@@ -48,6 +48,15 @@ def scaled(unit: str, values: Any) -> tuple[float, str]:
         return 10.0 ** (3 - power), _POWERS[power] + unit[1:]
     power = _power(largest)
     return 10.0**-power, _POWERS[power] + unit
+
+
+def prefixed(name: str, values: Any) -> tuple[str, float]:
+    """Return a name that may end with a unit, "length [m]", with the prefix of its values, and the factor of these."""
+    words, bracket, unit = name.rpartition(" [")
+    if not bracket or not unit.endswith("]"):
+        return name, 1.0
+    factor, unit = scaled(unit[:-1], values)
+    return f"{words} [{unit}]", factor
 
 
 def _power(largest: float) -> int:

@@ -20,8 +20,8 @@ from functools import partial
 from typing import Any, TypeAlias
 
 from viscorod.analyses.one_thread import one_blas_thread
-from viscorod.analyses.sweep_workers import FAILED, TRIES, UNTOUCHED, Work
 from viscorod.analyses.sweeps.little_garbage import little_garbage
+from viscorod.analyses.sweeps.processes import FAILED, TRIES, UNTOUCHED, Work
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 from viscorod.results.sweep_members import Found

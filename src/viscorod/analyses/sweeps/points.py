@@ -18,7 +18,7 @@ from viscorod.model.fields.definition import show
 if TYPE_CHECKING:
     from viscorod.typing import Floats
 
-__all__ = ["MOST_POINTS", "points_of", "require_distributions", "uniform_points"]
+__all__ = ["MOST_POINTS", "distribution_text", "points_of", "require_distributions", "uniform_points"]
 
 MOST_POINTS = 1 << 24
 _EDGE = 1e-15  # how near to 0 and 1 a point may come, where unbounded distributions have no value
@@ -26,7 +26,7 @@ _ADVICE = "give a frozen distribution of SciPy, such as scipy.stats.norm(1.0e6, 
 
 
 def require_distributions(distributions: Any) -> None:
-    """Refuse what are no distributions of continuous numbers.
+    """Refuse what are no distributions of numbers.
 
     Raises:
         InputError: the first that is none.
@@ -41,7 +41,8 @@ def require_distributions(distributions: Any) -> None:
         middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
         if middle.shape != (3,) or not np.isfinite(middle).all():
             why = "its parameters give no numbers, or several"
-            raise InputError(Fault(key, show(found), why, "give parameters that are single numbers"))
+            advice = "give single numbers, the deviation above 0"
+            raise InputError(Fault(key, distribution_text(found), why, advice))
 
 
 def uniform_points(n: int, columns: int, seed: int) -> Floats:
@@ -65,7 +66,7 @@ def uniform_points(n: int, columns: int, seed: int) -> Floats:
 def points_of(
     uniform: Floats, distributions: Mapping[str, Any], correlation: Any = None
 ) -> dict[str, Floats]:
-    """Return values of every key ``(points,)`` from uniform points ``(points, keys)``.
+    """Return values of every key ``(points,)`` from uniform points ``(points, keys)``, whole ones if these are counts.
 
     Args:
         uniform: in the unit cube.
@@ -82,9 +83,14 @@ def points_of(
             ndtr(ndtri(uniform) @ _factor(correlation, len(distributions)).T), _EDGE, 1.0 - _EDGE
         )
     return {
-        key: np.asarray(found.ppf(column), dtype=float)
+        key: np.asarray(found.ppf(column), dtype=int if _counts(found) else float)
         for (key, found), column in zip(distributions.items(), uniform.T, strict=True)
     }
+
+
+def _counts(distribution: Any) -> bool:
+    """Return whether a distribution is one of whole numbers."""
+    return hasattr(getattr(distribution, "dist", distribution), "pmf")
 
 
 def _factor(correlation: Any, size: int) -> Floats:
@@ -106,3 +112,12 @@ def _factor(correlation: Any, size: int) -> Floats:
             raise InputError(Fault("correlation", "", why, advice)) from None
         factor = axes * np.sqrt(np.maximum(sizes, 0.0))
     return factor
+
+
+def distribution_text(distribution: Any) -> str:
+    """Return a distribution in words, as SciPy calls it."""
+    name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
+    given = [f"{value:g}" for value in getattr(distribution, "args", ()) if np.ndim(value) == 0]
+    more = getattr(distribution, "kwds", {})
+    given += [f"{key}={value:g}" for key, value in more.items() if np.ndim(value) == 0]
+    return f"{name}({', '.join(given)})"

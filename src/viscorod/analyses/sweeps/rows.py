@@ -74,6 +74,16 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
         if not values.columns.is_unique:
             twice = str(values.columns[values.columns.duplicated()][0])
             raise InputError(Fault(twice, "", "the table has this column twice", "leave one of them out"))
+        gaps = [
+            f"{key} in row {values[key].isna().tolist().index(True)}"
+            for key in values
+            if values[key].isna().any()
+        ]
+        if gaps:
+            why = "the table has no value there"
+            raise InputError(Fault("values", "; ".join(gaps), why, "give every member a value of every key"))
+        if not len(values):
+            raise InputError(Fault("values", "", "the table has no rows", "give every member a row"))
         values = {str(key): values[key].tolist() for key in values.columns}
     if isinstance(values, Mapping):
         columns = _columns(values)
@@ -104,7 +114,7 @@ def _columns(values: Any) -> dict[str, Sequence[Any]]:
         raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
     columns = {str(key): _plain(column) for key, column in values.items()}
     for key, column in columns.items():
-        if not isinstance(column, list | tuple) or not column:
+        if not isinstance(column, list | tuple | range) or not len(column):
             raise InputError(Fault(key, show(column), "a list of values is needed here", _ADVICE))
     return columns
 

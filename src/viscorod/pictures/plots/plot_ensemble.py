@@ -8,7 +8,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, SMALL, TEXT, clean, figure, legend_above
+from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, SMALL, clean, figure, headline, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -64,8 +64,7 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         axes.set_visible(False)
     _caption(
         picture,
-        f"{len(found.values(names[0]))} members (blue); 5, 25, 50, 75, 95 % quantiles (points) and their 95 % "
-        "intervals (bars)",
+        f"{len(found.values(names[0]))} members; their 5, 25, 50, 75, 95 % quantiles, 95 % intervals (bars)",
     )
     return picture
 
@@ -139,7 +138,7 @@ def draw_indices(found: Ensemble, alone: str | None = None, ax: Axes | None = No
     for axes, name in zip(panels, names, strict=True):
         rows = table.loc[name]
         order = [str(key) for key in rows["total"].sort_values().index]
-        clean(axes, f"part of the variance of the {name}", "")
+        clean(axes, f"part of the variance of the {name.partition(' [')[0]}", "")
         for k, key in enumerate(order):
             for kind, colour, shift in (("first", BLUE, 0.18), ("total", ORANGE, -0.18)):
                 row: Any = rows.loc[key]
@@ -170,8 +169,7 @@ def _names(found: Ensemble, name: str | None, ax: Axes | None) -> tuple[str, ...
 
 def _titled(found: Ensemble, width: float, height: float) -> Figure:
     picture = figure(width, height)
-    if found.title:
-        picture.suptitle(found.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+    headline(picture, found.title)
     return picture
 
 

@@ -9,7 +9,18 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.model.fields.definition import did_you_mean
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREEN, ORANGE, PURPLE, RED, SKY, TEXT, clean, figure, legend_above
+from viscorod.pictures.style import (
+    BLUE,
+    GREEN,
+    ORANGE,
+    PURPLE,
+    RED,
+    SKY,
+    clean,
+    figure,
+    headline,
+    legend_above,
+)
 from viscorod.results.sweep_figures import FIGURES, shown
 
 if TYPE_CHECKING:
@@ -45,11 +56,11 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         raise InputError("no member of this sweep was computed to its end; its report says why")
     x = _one_of("x", x, sweep.parameters)
     known = _numbers(sweep, table)
-    names = known[:MOST] if name is None else [_one_of("name", name, known)]
+    asked = [one for one in known if one in sweep.quantities]
+    names = (asked or known)[:MOST] if name is None else [_one_of("name", name, known)]
     if ax is None:
         picture = figure(8.0, 1.0 + 3.1 * len(names))
-        if sweep.title:
-            picture.suptitle(sweep.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(picture, sweep.title)
         panels = list(picture.subplots(len(names), 1, squeeze=False)[:, 0])
     else:
         names, picture, panels = names[:1], within(ax), [ax]

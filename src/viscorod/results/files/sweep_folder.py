@@ -19,7 +19,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError, reading
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
 from viscorod.results.sweep_result import Sweep
 from viscorod.whole_files import replacing

@@ -14,7 +14,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.ensemble import Design, Ensemble
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
 from viscorod.results.files.parquet import read_parquet, write_parquet
 from viscorod.results.stacked_members import plain
 from viscorod.results.sweep_figures import FIGURES

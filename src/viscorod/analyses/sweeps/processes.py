@@ -1,7 +1,7 @@
 """Processes that compute the members of a sweep; one that is killed costs its own member a new try, and no other.
 
-Every worker has a pipe of its own and one member at a time, so that the death of a process tells which member it was
-at, and its exit code how it ended.
+Every worker has a pipe of its own and does its members in order, so that the death of a process tells which member it
+was at, and its exit code how it ended. Of short members it has the next one already, so that it never waits.
 """
 
 from __future__ import annotations
@@ -10,6 +10,7 @@ import gc
 import os
 import signal
 import threading
+import time
 from collections import Counter, deque
 from collections.abc import Callable, MutableMapping, Sequence
 from contextlib import suppress
@@ -31,6 +32,7 @@ UNTOUCHED: Found = (None, "the sweep was stopped before it", NOT_RUN)
 TRIES = 3
 """Processes that a member may lose before it counts as failed."""
 _POLL = 0.1  # seconds between two looks at the workers
+_SHORT = 0.5  # seconds of a member that is short
 _READY = "ready"
 
 
@@ -46,18 +48,26 @@ class _Worker:
             self.process.start()
         end.close()
         self.ready = False
-        self.member: int | None = None
+        self.members = deque[int]()
+        self.began = 0.0
+
+    @property
+    def member(self) -> int | None:
+        """The one that it is at."""
+        return self.members[0] if self.members else None
 
     def begin(self, member: int, job: Any) -> None:
         """Give it a member; if it died meanwhile, the next look at it tells."""
-        self.member = member
+        if not self.members:
+            self.began = time.perf_counter()
+        self.members.append(member)
         with suppress(OSError):
             self.connection.send((member, job))
 
     def end(self) -> None:
         """Let it go; one that computes is ended."""
         self.connection.close()
-        if self.member is not None or not self.ready:
+        if self.members or not self.ready:
             self.process.terminate()
         self.process.join()
 
@@ -89,11 +99,13 @@ def in_parallel(
     before = len(found)
     waiting, lost = deque(due), Counter[int | None]()
     crew = [_Worker(context, work, cells) for _ in range(workers)]
+    pace = _Pace()
     try:
         while len(found) < before + len(due):
-            _look(crew, found)
+            _look(crew, found, pace)
             for worker in [worker for worker in crew if not worker.process.is_alive()]:
-                _look([worker], found)  # what it said last
+                while _heard(worker, found, pace):  # what it said last
+                    pass
                 crew.remove(worker)
                 lost[worker.member] += 1
                 _after_death(worker, lost[worker.member], stop, found, waiting)
@@ -103,11 +115,13 @@ def in_parallel(
                 cells[len(jobs)] = 1.0
                 found.update(dict.fromkeys(waiting, UNTOUCHED))
                 waiting.clear()
-            for worker in crew:
-                if waiting and worker.ready and worker.member is None:
-                    number = waiting.popleft()
-                    cells[number] = 0.0
-                    worker.begin(number, jobs[number])
+            for ahead in (False, True) if pace.short else (False,):
+                least = len(crew) if ahead else 1  # the last ones go to whoever is done first
+                for worker in crew:
+                    if worker.ready and len(worker.members) <= ahead and len(waiting) >= least:
+                        number = waiting.popleft()
+                        cells[number] = 0.0
+                        worker.begin(number, jobs[number])
             if progress is not None and not stop.is_set():
                 progress(len(found) - before + sum(cells[w.member] for w in crew if w.member is not None))
     finally:
@@ -115,7 +129,23 @@ def in_parallel(
             worker.end()
 
 
-def _look(crew: Sequence[_Worker], found: MutableMapping[int, Found]) -> None:
+class _Pace:
+    """How long members take, on average."""
+
+    def __init__(self) -> None:
+        self._seconds, self._count = 0.0, 0
+
+    def add(self, seconds: float) -> None:
+        """Count one that is done."""
+        self._seconds, self._count = self._seconds + seconds, self._count + 1
+
+    @property
+    def short(self) -> bool:
+        """Whether the time that a worker waits for its next member counts, and none would wait behind a long one."""
+        return 0 < self._count and self._seconds < _SHORT * self._count
+
+
+def _look(crew: Sequence[_Worker], found: MutableMapping[int, Found], pace: _Pace) -> None:
     """Take what workers have to say, or wait a little for it."""
     by_connection: dict[Any, _Worker] = {worker.connection: worker for worker in crew}
     sentinels = [worker.process.sentinel for worker in crew]
@@ -123,16 +153,27 @@ def _look(crew: Sequence[_Worker], found: MutableMapping[int, Found]) -> None:
         worker = by_connection.get(one)
         if worker is None:
             continue
-        try:
-            said = worker.connection.recv()
-        except (EOFError, OSError):  # it died
-            continue
-        if said == _READY:
-            worker.ready = True
-        else:
-            number, result = said
-            found[number] = result
-            worker.member = None
+        _heard(worker, found, pace)
+
+
+def _heard(worker: _Worker, found: MutableMapping[int, Found], pace: _Pace) -> bool:
+    """Take one thing that a worker has said; returns False if there is none."""
+    try:
+        if not worker.connection.poll():
+            return False
+        said = worker.connection.recv()
+    except (EOFError, OSError):  # it died
+        return False
+    if said == _READY:
+        worker.ready = True
+        return True
+    number, result = said
+    found[number] = result
+    worker.members.popleft()
+    now = time.perf_counter()
+    pace.add(now - worker.began)
+    worker.began = now
+    return True
 
 
 def _after_death(
@@ -145,6 +186,7 @@ def _after_death(
     """Decide what becomes of the member of a process that ended by itself, for the time ``count``."""
     worker.process.join()
     how, member = _ended(worker.process.exitcode), worker.member
+    waiting.extendleft(reversed(list(worker.members)[1:]))  # those that it had not begun
     if member is None:
         at_start = not worker.ready and (worker.process.exitcode or 0) >= 0
         if not stop.is_set() and (at_start or count == TRIES):

@@ -1,0 +1,60 @@
+"""What of a sweep is looked at before any member is computed."""
+
+from __future__ import annotations
+
+import pickle
+from collections.abc import Mapping, Sequence
+
+from viscorod.analyses.case_run import discretised_case
+from viscorod.analyses.sweeps.member_work import MemberWork, member_content
+from viscorod.analyses.sweeps.rows import Row
+from viscorod.casefile.case import Case, case_from_dict
+from viscorod.errors import Fault, InputError
+from viscorod.results.quantities import Quantity
+
+__all__ = ["checked", "require_sendable"]
+
+
+def checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
+    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members."""
+    notes: list[str] = []
+    problems: dict[tuple[str, str], Fault] = {}
+    places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
+    for k, row in enumerate(rows):
+        try:
+            content, note = member_content(case.content, case.source, row, keep)
+            member = case_from_dict(content, case.source)
+            if k == 0 and places:
+                _require_places(member, places)
+        except InputError as error:
+            for problem in error.problems:  # the same mistake in many members is reported once
+                problems.setdefault((problem.where, problem.why), problem)
+            continue
+        notes += [note] if note else []
+    if problems:
+        raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
+    return list(dict.fromkeys(notes))
+
+
+def _require_places(case: Case, places: Mapping[str, str]) -> None:
+    """Refuse places that the model does not have."""
+    try:
+        discrete = discretised_case(case)
+    except InputError:  # that is a failure of this member
+        return
+    for place, name in places.items():
+        try:
+            discrete.place(place)
+        except InputError as error:
+            raise InputError(Fault(f"quantities.{name}", place, str(error), "")) from None
+
+
+def require_sendable(work: MemberWork) -> None:
+    """Refuse functions that other processes would not find."""
+    for quantity in work.quantities:
+        try:
+            pickle.dumps(quantity)
+        except (pickle.PicklingError, AttributeError, TypeError):
+            why = "this function cannot be sent to other processes"
+            instead = "define it in a module, give workers=1, or executor='threads:2'"
+            raise InputError(Fault(f"quantities.{quantity.name}", "", why, instead)) from None

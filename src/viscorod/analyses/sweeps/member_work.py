@@ -1,0 +1,140 @@
+"""One member of a sweep, where its worker is: its values, its computation, what is kept of it."""
+
+from __future__ import annotations
+
+import copy
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeAlias
+
+from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps.processes import FAILED
+from viscorod.analyses.sweeps.rows import Row
+from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.case_keys import put
+from viscorod.errors import InputError, SolveError
+from viscorod.results.files.sweep_folder import SweepFolder
+from viscorod.results.quantities import Quantity, evaluated
+from viscorod.results.sweep_figures import figures_of
+from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found
+from viscorod.solve.settings.motion import SimulateSettings
+
+__all__ = ["MemberWork", "member_content"]
+
+Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
+
+OUTPUTS = 200
+"""Stored states of a run whose case gives no output_interval."""
+UNFINISHED = ("interrupted", NOT_RUN)
+"""Outcomes of members that are computed again by the next call."""
+
+
+def member_content(
+    content: Mapping[str, Any], source: Path | None, row: Row, keep: bool
+) -> tuple[dict[str, Any], str]:
+    """Return the content of the case file of a member, and what was chosen for it.
+
+    Raises:
+        InputError: there is no such key, or what is there is wrong.
+    """
+    own = copy.deepcopy(dict(content))
+    for key, value in row.items():
+        put(own, key, value)
+    table = own.get("simulate")
+    if keep and isinstance(table, dict) and "output_interval" not in table:
+        settings = case_from_dict(own, source).settings
+        if not isinstance(settings, SimulateSettings):
+            return own, ""
+        table["output_interval"] = interval = settings.duration / OUTPUTS
+        return own, f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
+    return own, ""
+
+
+@dataclass(frozen=True)
+class MemberWork:
+    """What is done with the values of a member, where its worker is.
+
+    Attributes:
+        content, title, source: of the case.
+        quantities: that are computed of its result.
+        keep: keep that result.
+        folder: of the sweep, if it has one.
+    """
+
+    content: Mapping[str, Any]
+    title: str
+    source: Path | None
+    quantities: tuple[Quantity, ...]
+    keep: bool
+    folder: SweepFolder | None
+
+    def __call__(
+        self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
+    ) -> Found:
+        """Compute one member and record it."""
+        row, name, errors = job
+        try:
+            content, _ = member_content(self.content, self.source, row, self.keep)
+        except InputError as error:
+            found: Found = None, str(error), "refused"
+        else:
+            found = _compute((content, self.title, self.source, errors), tell, stopped)
+        result, message, outcome = found
+        numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
+        parts = {
+            "message": "; ".join(filter(None, [message, *wrong])),
+            "outcome": outcome,
+            "quantities": numbers,
+            "measured": {} if self.keep and self.folder is None else figures_of(result),
+        }
+        stored = result if self.keep else None
+        if self.folder is not None and outcome not in UNFINISHED:
+            try:
+                stored = self.folder.add(name, parts, stored)
+            except (OSError, InputError) as error:  # a full disk; the next call computes it again
+                why = f"it was computed, but cannot be kept in {self.folder.path} ({error})"
+                return None, why, FAILED, numbers, parts["measured"]
+        return stored, *parts.values()
+
+
+class _Stop:
+    """Returns why a member is to end, if it is.
+
+    Attributes:
+        patient: it may be called after some short steps that are taken at once, as in a run by itself.
+    """
+
+    patient = True
+
+    def __init__(self, stopped: Callable[[], bool]) -> None:
+        self._stopped = stopped
+
+    def __call__(self) -> str:
+        return "the sweep was stopped" if self._stopped() else ""
+
+
+def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
+    """Do one member; whatever goes wrong is recorded, not raised."""
+    content, title, source, errors = job
+    try:
+        case = case_from_dict({"title": title, **content}, source)
+        course = case.settings.course
+
+        def progress(reached: float, _step: float) -> None:
+            tell(course.part(reached))
+
+        return (
+            run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),
+            "",
+            "completed",
+        )
+    except SolveError as error:
+        without = "interrupted" if stopped() else "failed"
+        return error.run, str(error), without if error.run is None else error.run.outcome
+    except InputError as error:
+        return None, str(error), "refused"
+    except KeyboardInterrupt:
+        return None, "interrupted from the keyboard", "interrupted"
+    except Exception as error:  # one member's defect must not cost the others their results
+        return None, f"{type(error).__name__}: {error}", FAILED

@@ -1,0 +1,58 @@
+"""How the members of an ensemble were chosen."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import asdict, dataclass
+
+from viscorod.errors import InputError
+
+__all__ = ["Design"]
+
+
+@dataclass(frozen=True)
+class Design:
+    """How the members of an ensemble were chosen.
+
+    Attributes:
+        keys: that are uncertain.
+        distributions: theirs, in words.
+        n: number of points.
+        seed: of the sequence.
+        indices: whether every point has rows for Sobol' indices: A, B and one per key.
+    """
+
+    keys: tuple[str, ...]
+    distributions: tuple[str, ...]
+    n: int
+    seed: int
+    indices: bool
+
+    @property
+    def members(self) -> int:
+        """How many members it has."""
+        return self.n * (len(self.keys) + 2 if self.indices else 1)
+
+    @property
+    def record(self) -> str:
+        """The design as JSON."""
+        return json.dumps(asdict(self))
+
+    @classmethod
+    def of_record(cls, text: str, where: str) -> Design:
+        """Return the design that was recorded.
+
+        Raises:
+            InputError: the record is damaged.
+        """
+        try:
+            found = json.loads(text)
+            return cls(
+                tuple(map(str, found["keys"])),
+                tuple(map(str, found["distributions"])),
+                int(found["n"]),
+                int(found["seed"]),
+                bool(found["indices"]),
+            )
+        except (KeyError, TypeError, ValueError):
+            raise InputError(f"{where} is damaged: it does not say how its members were chosen") from None

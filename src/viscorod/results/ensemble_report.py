@@ -1,0 +1,93 @@
+"""The report of an ensemble: what its values were drawn from, quantiles, indices, errors, failures."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.text_numbers import number, prefixed
+from viscorod.results.text_table import page, table
+from viscorod.results.told_members import told_members
+
+if TYPE_CHECKING:
+    from viscorod.results.ensemble import Ensemble
+
+__all__ = ["report_of"]
+
+LEVELS = (0.05, 0.5, 0.95)
+MOST_MESSAGES = 10
+
+
+def report_of(found: Ensemble) -> str:
+    """Return the report: distributions, quantiles of all quantities, indices, how it converges, and what failed."""
+    design = found.design
+    count = f"{len(found.members)} members, {found.count_completed} completed"
+    drawn = list(zip(design.keys, design.distributions, strict=True))
+    blocks = [table(f"{found.title}: {count}" if found.title else count, ("key", "drawn from"), drawn)]
+    blocks += _quantiles(found)
+    if design.indices:
+        blocks += _indices(found)
+    blocks.append(_errors(found))
+    blocks += told_members(found.members.found.told(), MOST_MESSAGES)
+    return page([*blocks, *found.notes])
+
+
+def _quantiles(found: Ensemble) -> list[str]:
+    """Return a table of every quantity."""
+    try:
+        quantiles = found.quantiles(LEVELS)
+    except InputError as error:
+        return [str(error)]
+    header = ("quantile", "value", "95 % from", "to", "first half")
+    blocks = []
+    for name in found.numbers:
+        rows = quantiles.loc[name]
+        values = rows[["value", "lower", "upper", "half"]].to_numpy()
+        title, factor = prefixed(name, values[np.isfinite(values)])
+        lines = [
+            (f"{100.0 * level:g} %", *(number(factor * value) for value in row))
+            for level, row in zip(rows.index, values, strict=True)
+        ]
+        blocks.append(table(f"Quantiles of {title}", header, lines))
+    return blocks
+
+
+def _indices(found: Ensemble) -> list[str]:
+    """Return a table of every quantity, the most important value first."""
+    try:
+        indices = found.indices()
+    except InputError as error:
+        return [str(error)]
+    blocks = []
+    for name in found.numbers:
+        rows = indices.loc[name].sort_values("total", ascending=False)
+        lines = [
+            (
+                str(key),
+                f"{row.first:.2f} ({row.first_lower:.2f}, {row.first_upper:.2f})",
+                f"{row.total:.2f} ({row.total_lower:.2f}, {row.total_upper:.2f})",
+            )
+            for key, row in zip(rows.index, rows.itertuples(), strict=True)
+        ]
+        title = f"Sobol' indices of {name.partition(' [')[0]}, and intervals of 95 %"
+        blocks.append(table(title, ("key", "alone", "in all"), lines).replace("-0.00", "0.00"))
+    return blocks
+
+
+def _errors(found: Ensemble) -> str:
+    """Say what mesh and steps leave, of the members for which that was estimated."""
+    columns, count = found.members.found.measured, found.count_completed
+    parts = []
+    for name, what, unit in (
+        ("mesh_error", "by the mesh", "of the length"),
+        ("step_error", "by the steps", "m"),
+    ):
+        values = columns.get(name, np.zeros(0))
+        known = values[np.isfinite(values)]
+        if len(known):
+            parts.append(f"{what} {known.max():.1g} {unit} ({len(known)} of {count} members)")
+    if not parts:
+        return "Errors of mesh and steps were not estimated."
+    return f"Positions are off, at most and as estimated, {' and '.join(parts)}."
