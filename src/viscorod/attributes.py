@@ -3,12 +3,42 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from viscorod.errors import Fault, InputError, problems_text
 from viscorod.wording import did_you_mean, some_of
 
-__all__ = ["UnknownAttributeError", "WellNamed"]
+__all__ = ["ByName", "UnknownAttributeError", "UnknownNameError", "WellNamed"]
+
+T = TypeVar("T")
+
+
+class UnknownNameError(InputError, KeyError):
+    """Nothing has this name."""
+
+    def __str__(self) -> str:
+        return problems_text(self.problems, self.heading)
+
+
+class ByName(dict[str, T]):
+    """Parts by their names: a name that none has is told with the nearest one.
+
+    Args:
+        nouns: what the parts are called, several, such as "rods".
+    """
+
+    def __init__(self, nouns: str) -> None:
+        super().__init__()
+        self._nouns = nouns
+
+    def __missing__(self, name: Any) -> T:
+        advice = did_you_mean(str(name), self) + (
+            f"the {self._nouns} are {some_of(self)}" if self else f"there are no {self._nouns}"
+        )
+        raise UnknownNameError(Fault(f"{self._nouns}[{name!r}]", "", "nothing has this name", advice))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._nouns,), None, None, iter(self.items())
 
 
 class UnknownAttributeError(InputError, AttributeError):
