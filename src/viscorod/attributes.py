@@ -12,6 +12,25 @@ __all__ = ["ByName", "UnknownAttributeError", "UnknownNameError", "WellNamed"]
 
 T = TypeVar("T")
 
+ELSEWHERE = {
+    "to_dataframe": ("table", "data"),
+    "to_pandas": ("table", "data"),
+    "df": ("table", "data"),
+    "to_xarray": ("data",),
+    "dataset": ("data",),
+    "to_csv": ("save_csv", "table"),
+    "to_netcdf": ("save",),
+    "write": ("save",),
+    "show": ("plot", "draw"),
+    "summary": ("report",),
+    "t": ("time",),
+    "solve": ("equilibrium",),
+    "run": ("simulate",),
+    "eigenvalues": ("modes",),
+    "damping": ("damping_ratios",),
+}
+"""What other libraries call it, and what it is here: the first that an object has."""
+
 
 class UnknownNameError(InputError, KeyError):
     """Nothing has this name."""
@@ -67,7 +86,9 @@ class UnknownAttributeError(InputError, AttributeError):
     def problems(self) -> tuple[Fault, ...]:
         """What is wrong, with the nearest name that there is."""
         words = self._known if isinstance(self._known, list) else self._known()
-        advice = did_you_mean(self._name, words, str).strip() or f"it has {some_of(words)}"
+        meant = next((word for word in ELSEWHERE.get(self._name, ()) if word in words), None)
+        near = f"did you mean {meant}?" if meant else did_you_mean(self._name, words, str).strip()
+        advice = near or f"it has {some_of(words)}"
         return (Fault(f"{self._called}.{self._name}", "", f"there is no attribute {self._name!r}", advice),)
 
     def __str__(self) -> str:

@@ -100,6 +100,15 @@ def test_a_name_that_no_part_has_is_told_with_the_nearest(model):
         twin.rods["baem"]
 
 
+def test_words_of_other_libraries_are_told_what_they_are_here(model):
+    run = model.equilibrium()
+    for word, here in (("to_xarray", "data"), ("to_netcdf", "save"), ("show", "plot")):
+        with pytest.raises(AttributeError, match=f"did you mean {here}?"):
+            getattr(run, word)
+    with pytest.raises(AttributeError, match=r"did you mean simulate\?"):
+        _ = model.run
+
+
 def test_print_of_a_check_has_what_the_command_prints(model):
     text = str(model.check())
     for heading in ("Rods", "Sections", "Materials", "First natural modes", "Linear systems", "Warnings"):

@@ -60,4 +60,4 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
         assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
-    legend_over(axes, 4)
+    legend_over(axes, 2)
