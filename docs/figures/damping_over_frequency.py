@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 import numpy as np
+from look import dressed
 from matplotlib.figure import Figure
 from matplotlib.ticker import FuncFormatter, NullFormatter
 
@@ -163,7 +164,7 @@ def draw(blades: list[Blade]) -> None:
     for axes in panels[-1]:
         axes.set_xlabel("frequency [Hz]")
     panels[0][1].legend(fontsize=9)
-    figure.savefig(TARGET, dpi=110)
+    dressed(figure).savefig(TARGET, dpi=110)
 
 
 def print_tables(blades: list[Blade]) -> None:

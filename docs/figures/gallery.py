@@ -61,9 +61,10 @@ def snapshots(picture: Figure, axes: Axes, run: vr.Run, start: float, end: float
     positions = np.array([run.positions_at(float(time)) for time in times])
     rotations = np.array([run.rotations_at(float(time)) for time in times])
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
-    view = View.of(np.concatenate([*positions, *ends]))
+    view = View.of(np.concatenate([*positions, *ends]), enlarged=assembly.empty)
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
-    view.prepare(axes, f"{quantity(start, 's', 3)} (dark) to {quantity(end, 's', 3)} (light)")
+    across = f", {view.enlarged} enlarged" if view.enlarged else ""
+    view.prepare(axes, f"{quantity(start, 's', 3)} (dark) to {quantity(end, 's', 3)} (light){across}")
     if not coiled:
         draw_reference(axes, view, curves, run)
     colours = colormaps["viridis"](np.linspace(0.0, 0.88, times.size))

@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from look import dressed
 from matplotlib.figure import Figure
 
 import viscorod as vr
@@ -63,11 +64,9 @@ def draw() -> None:
         title="error of the loss modulus [%]", yscale="log", ylim=(0.01, 1e3), xlabel="frequency [Hz]"
     )
     for axes in figure.axes:
-        axes.title.set_fontsize(10)
-        axes.grid(color="0.9", lw=0.6)
         axes.set_xlim(*SHOWN)
     storage.legend(fontsize=8.5, loc="upper left")
-    figure.savefig(TARGET, dpi=110)
+    dressed(figure).savefig(TARGET, dpi=110)
 
 
 def print_table() -> None:

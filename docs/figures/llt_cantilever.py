@@ -8,6 +8,7 @@ from __future__ import annotations
 from pathlib import Path
 
 import numpy as np
+from look import dressed
 from matplotlib.figure import Figure
 
 import viscorod as vr
@@ -119,7 +120,7 @@ def main() -> None:
     gap = np.abs(stiff.history("beam.end").values - slow).max() / LENGTH
     print(f"E x 4 with tau / 2: largest deviation / L = {gap:.2e}")
     print(f"largest |z| / L = {np.abs(first.data['position'].values[..., 2]).max() / LENGTH:.1e}")
-    figure.savefig(TARGET, dpi=110)
+    dressed(figure).savefig(TARGET, dpi=110)
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
+from look import dressed
 from matplotlib.figure import Figure
 
 import viscorod as vr
@@ -123,7 +124,7 @@ def draw(table: dict[tuple[str, str, int], list[float]]) -> None:
     first = figure.axes[0]
     first.plot([], [], color="0.4", ls="--", marker="o", markerfacecolor="white", label="Kirchhoff")
     first.legend(fontsize=8, loc="lower left")
-    figure.savefig(TARGET, dpi=110)
+    dressed(figure).savefig(TARGET, dpi=110)
 
 
 def print_errors(table: dict[tuple[str, str, int], list[float]]) -> None:

@@ -3,12 +3,61 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Any, Self
+from typing import TYPE_CHECKING, Any, Self, TypeVar
 
 from viscorod.errors import Fault, InputError, problems_text
 from viscorod.wording import did_you_mean, some_of
 
-__all__ = ["UnknownAttributeError", "WellNamed"]
+__all__ = ["ByName", "UnknownAttributeError", "UnknownNameError", "WellNamed"]
+
+T = TypeVar("T")
+
+ELSEWHERE = {
+    "to_dataframe": ("table", "data"),
+    "to_pandas": ("table", "data"),
+    "df": ("table", "data"),
+    "to_xarray": ("data",),
+    "dataset": ("data",),
+    "to_csv": ("save_csv", "table"),
+    "to_netcdf": ("save",),
+    "write": ("save",),
+    "show": ("plot", "draw"),
+    "summary": ("report",),
+    "t": ("time",),
+    "solve": ("equilibrium",),
+    "run": ("simulate",),
+    "eigenvalues": ("modes",),
+    "damping": ("damping_ratios",),
+}
+"""What other libraries call it, and what it is here: the first that an object has."""
+
+
+class UnknownNameError(InputError, KeyError):
+    """Nothing has this name."""
+
+    def __str__(self) -> str:
+        return problems_text(self.problems, self.heading)
+
+
+class ByName(dict[str, T]):
+    """Parts by their names: a name that none has is told with the nearest one.
+
+    Args:
+        nouns: what the parts are called, several, such as "rods".
+    """
+
+    def __init__(self, nouns: str) -> None:
+        super().__init__()
+        self._nouns = nouns
+
+    def __missing__(self, name: Any) -> T:
+        advice = did_you_mean(str(name), self) + (
+            f"the {self._nouns} are {some_of(self)}" if self else f"there are no {self._nouns}"
+        )
+        raise UnknownNameError(Fault(f"{self._nouns}[{name!r}]", "", "nothing has this name", advice))
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self._nouns,), None, None, iter(self.items())
 
 
 class UnknownAttributeError(InputError, AttributeError):
@@ -37,7 +86,9 @@ class UnknownAttributeError(InputError, AttributeError):
     def problems(self) -> tuple[Fault, ...]:
         """What is wrong, with the nearest name that there is."""
         words = self._known if isinstance(self._known, list) else self._known()
-        advice = did_you_mean(self._name, words, str).strip() or f"it has {some_of(words)}"
+        meant = next((word for word in ELSEWHERE.get(self._name, ()) if word in words), None)
+        near = f"did you mean {meant}?" if meant else did_you_mean(self._name, words, str).strip()
+        advice = near or f"it has {some_of(words)}"
         return (Fault(f"{self._called}.{self._name}", "", f"there is no attribute {self._name!r}", advice),)
 
     def __str__(self) -> str:

@@ -194,7 +194,6 @@ def test_functions_of_time():
         ("density = 1000", "density = true", "materials.rubber.density", "true: a number is needed"),
         ("density = 1000", 'density = "x"', "materials.rubber.density", "'x': a number is needed"),
         ("density = 1000", "density = 1979-05-27", "materials.rubber.density", "a number is needed"),
-        ("density = 1000", "", "materials.rubber.density", "missing"),
         (
             "poissons_ratio = 0.3",
             "poissons_ratio = 0.6",

@@ -19,6 +19,7 @@ from helpers.synthetic_results import rolled_up, swing
 from viscorod.analyses.progress import reporting
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli.app import app
+from viscorod.results.reports.check_report import CheckReport
 from viscorod.results.result_numbers import numbers_of, plain
 from viscorod.results.run import Equilibrium, Run
 from viscorod.results.validity import Condition, Validity
@@ -27,7 +28,7 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.units import Conversion
 
-REPORT = SimpleNamespace(
+REPORT = CheckReport(
     validity=Validity((Condition("|J0 - 1|: half width x curvature", "LLT 2.2", 0.2, 0.1, "beam"),)),
     rods=[{"rod": "beam", "length [m]": 0.3, "mass [kg]": 0.03, "elements": 2, "order": 5}],
     sections=[
@@ -202,6 +203,8 @@ def test_wrong_input_is_one_message(invoke, command, tmp_path):
     missing = invoke(command, "none.toml")
     assert (missing.exit_code, missing.stderr.count("\n")) == (2, 1)
     assert missing.stderr.startswith("error: none.toml is not a file; name a case file")
+    assert invoke(command, "csae.toml").stderr == "error: csae.toml is not a file; did you mean case.toml?\n"
+    assert invoke(command, "four_bar").stderr.endswith("copy one with: viscorod example four_bar\n")
     (tmp_path / "broken.toml").write_text("rods = [\n")
     broken = invoke(command, "broken.toml")
     assert broken.exit_code == 2

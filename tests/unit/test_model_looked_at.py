@@ -31,7 +31,8 @@ def test_a_check_has_what_the_command_prints():
     euler = 1.8751**2 / 0.3**2 * np.sqrt(1e6 * 0.01**2 / 12.0 / 1000.0) / (2.0 * np.pi)
     assert found.frequencies[0] == pytest.approx(euler, rel=0.01)
     assert "slowest mode" in repr(found)
-    assert "First modes" in str(found)
+    assert "First natural modes" in str(found)
+    assert "Linear systems: " in str(found)
     assert "No warnings" in str(found)
 
 

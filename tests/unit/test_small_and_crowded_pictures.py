@@ -138,3 +138,26 @@ def test_modes_show_bodies_and_coils_side_by_side():
     rest, mode = (np.nanmean(lines[name].get_xdata()) for name in ("at rest", "mode"))
     width = np.ptp(lines["at rest"].get_xdata()[np.isfinite(lines["at rest"].get_xdata())])
     assert mode - rest > 0.8 * width
+
+
+def test_what_hardly_leaves_its_line_is_drawn_larger():
+    """A beam that sags by a thousandth of its span: its picture has a scale of its own across, in a unit that fits."""
+    section = vr.StiffnessSection(
+        {"EA": 1e6, "GA1": 1e6, "GA2": 1e6, "EI1": 100.0, "EI2": 100.0, "GJ": 100.0}
+    )
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2)
+    model = vr.Model()
+    model.add("bar", rod)
+    model.clamp("bar.start")
+    model.force("bar.end", (0.0, 0.0, -0.3))
+    axes = model.equilibrium().plot().axes[0]
+    assert axes.get_aspect() == "auto"
+    assert axes.get_ylabel() == "z [mm]"
+    assert axes.get_title(loc="left").endswith("z enlarged")
+    low, high = axes.get_ylim()
+    assert low == pytest.approx(-1.0, abs=0.1)  # P L^3/(3 EI) = 1 mm
+    assert high < 0.1
+    model.loads[:] = [vr.Force("bar.end", (0.0, 0.0, -30.0))]
+    bent = model.equilibrium().plot().axes[0]
+    assert bent.get_aspect() == 1.0
+    assert "enlarged" not in bent.get_title(loc="left")

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
-from dataclasses import dataclass, field
 from typing import NamedTuple
 
 import numpy as np
@@ -14,23 +12,25 @@ from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
 from viscorod.model.connections.spring_laws import Laws
+from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show, some_of
 from viscorod.model.rod import Rod
 from viscorod.results.damping_validity import QUICK
-from viscorod.results.text_table import listed, table
+from viscorod.results.reports.check_report import CheckReport
 from viscorod.results.validity import SLENDER, SMALL_STRAIN, Condition, Validity, unknown_width
-from viscorod.shown import Shown, counted
 from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.analysis import AnySettings
+from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.checks import require_fit
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.response import ResponseSettings
+from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.typing import Floats
@@ -40,91 +40,11 @@ SMALL = 1e-4
 """Couplings of a section smaller than this fraction of the root of their diagonal entries are not shown."""
 
 STATIC_ONLY = (
-    "a section was given without inertia: there are equilibria, paths and critical loads, and no motions"
+    "a material was given without density, or a section without inertia: there are equilibria, paths and critical "
+    "loads, and no motions"
 )
 
 COMPONENTS = ("shear 1", "shear 2", "stretch", "bend 1", "bend 2", "twist")
-
-
-@dataclass(frozen=True, repr=False)
-class CheckReport(Shown):
-    """The model in tables.
-
-    Attributes:
-        rods: name, length [m], mass [kg], elements, order of every rod.
-        sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
-            where it changes; "held" in place of the stiffness of strains that the rod holds; couplings of strains
-            in stiffness and damping, and the mass centre [m], where they are not zero.
-        bodies: name, mass [kg], principal inertia [kg m^2] of every rigid body.
-        joints: name, kind, places, motions that are free or driven, where it is and its gap [m] in the reference shape.
-        springs: name, kind, places, motions with stiffness and damping.
-        media: loads that see motion, with the numbers of their laws.
-        rest_strains: at the starts of their rods, with the factor 1, and how they change with time.
-        frequencies: of the first small vibrations about the unloaded shape [Hz], rigid motions left out;
-            damping_ratios, mode_names: of the same.
-        rigid_motions: motions that nothing resists, in words.
-        warnings: doubts, one sentence each.
-        nodes, unknowns: size of the discretised model; conditions: number of those that joints and held strains make.
-        linear_solver: how its linear systems are factorised.
-        materials: moduli [Pa], retardation times [s] and number of Maxwell branches of the rods with a material.
-        assumptions: what was assumed of their damping, one sentence each.
-        validity: the conditions of a rod model, as far as they are known before a solution.
-    """
-
-    rods: list[dict[str, object]]
-    sections: list[dict[str, object]]
-    frequencies: Floats
-    damping_ratios: Floats
-    warnings: list[str]
-    nodes: int
-    unknowns: int
-    linear_solver: str
-    mode_names: tuple[str, ...] = ()
-    rigid_motions: tuple[str, ...] = ()
-    bodies: list[dict[str, object]] = field(default_factory=list)
-    joints: list[dict[str, object]] = field(default_factory=list)
-    springs: list[dict[str, object]] = field(default_factory=list)
-    media: list[dict[str, object]] = field(default_factory=list)
-    rest_strains: list[dict[str, object]] = field(default_factory=list)
-    conditions: int = 0
-    materials: list[dict[str, object]] = field(default_factory=list)
-    assumptions: list[str] = field(default_factory=list)
-    validity: Validity = field(default_factory=lambda: Validity(()))
-
-    def _facts(self) -> Iterator[str]:
-        yield counted(len(self.rods), "rod")
-        yield counted(self.unknowns, "unknown")
-        if len(self.frequencies):
-            yield f"slowest mode {self.frequencies[0]:.4g} Hz ({self.mode_names[0]})"
-        if self.rigid_motions:
-            yield counted(len(self.rigid_motions), "rigid motion")
-        yield counted(len(self.warnings), "warning") if self.warnings else "no warnings"
-
-    def __str__(self) -> str:
-        """Return the main tables; ``viscorod check`` prints all of them."""
-        modes = [
-            [f"{number}: {name}", f"{frequency:.6g}", f"{ratio:.4g}"]
-            for number, (name, frequency, ratio) in enumerate(
-                zip(self.mode_names, self.frequencies, self.damping_ratios, strict=True), 1
-            )
-        ]
-        keys = list(self.rods[0])
-        rods = [[_cell(row[key]) for key in keys] for row in self.rods]
-        blocks = [
-            table("Rods", keys, rods),
-            table("First modes about the reference shape", ["mode", "frequency [Hz]", "damping ratio"], modes)
-            if modes
-            else "",
-            listed("Rigid motions", self.rigid_motions) if self.rigid_motions else "",
-            str(self.validity),
-            listed("Assumptions about damping", self.assumptions) if self.assumptions else "",
-            listed("Warnings", self.warnings) if self.warnings else "No warnings",
-        ]
-        return "\n\n".join(block for block in blocks if block)
-
-
-def _cell(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
 
 
 def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> CheckReport:
@@ -136,6 +56,10 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         InputError: the analysis cannot be made of it.
     """
     model, problem, solver = discrete.model, discrete.problem, discrete.static
+    if settings is not None and not isinstance(
+        settings, EquilibriumSettings | PathSettings | BucklingSettings
+    ):
+        require_inertia(model)
     if isinstance(settings, SimulateSettings):
         require_fit(model, settings)
     if isinstance(settings, SteadySettings):
@@ -333,7 +257,8 @@ def _section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
     rows = []
     for s in (0.0, *rod.section_breaks):
         C, D, M = rod.matrices_at(s)
-        row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": float(M[0, 0])}
+        mass: float | str = float(M[0, 0]) if rod.has_inertia else "not given"
+        row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": mass}
         held = rod.constrained_strains
         for i, component in enumerate(COMPONENTS):
             row[f"{component} stiffness [{'N' if i < 3 else 'N m2'}]"] = "held" if held[i] else float(C[i, i])

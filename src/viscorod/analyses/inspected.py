@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from viscorod.analyses.check import CheckReport
+    from viscorod.results.reports.check_report import CheckReport
 
 __all__ = ["Inspected"]
 

@@ -57,7 +57,8 @@ class Case:
     def model(self, kind: type[M]) -> M:
         """Return the model as an object of a class derived from `ModelDescription`."""
         found = kind.of(**self.description.parts())
-        found.materials, found.sections = dict(self.description.materials), dict(self.description.sections)
+        found.materials.update(self.description.materials)
+        found.sections.update(self.description.sections)
         return found
 
     def to_dict(self) -> dict[str, Any]:

@@ -23,7 +23,6 @@ from viscorod.model.connections.support import SUPPORTS, Support
 from viscorod.model.fields.definition import Definition
 from viscorod.model.fields.forms import NAME, TEXT, Form, in_units, listed, of_kind
 from viscorod.model.fields.metadata import accepted, meaning, units_of
-from viscorod.model.fields.values import REQUIRED
 from viscorod.model.materials.complex_moduli import ModulusTable
 from viscorod.model.materials.material import DAMPINGS, KelvinVoigt, Material
 from viscorod.model.materials.temperature_shift import SHIFTS
@@ -92,7 +91,7 @@ def fields_of(kind: type[Definition]) -> dict[str, FieldInfo]:
 
 def is_required(field: FieldInfo) -> bool:
     """Say whether a key must be given."""
-    return field.is_required() or field.default is REQUIRED
+    return field.is_required()
 
 
 def _in_files(kinds: Mapping[str, type[Definition]]) -> dict[str, type[Definition]]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import json
-from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -13,12 +12,10 @@ import typer
 from viscorod.cli.command_kind import wants_json
 from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, output_option
-from viscorod.cli.terminal import readable_errors, rows_text, say, written
-from viscorod.results.text_table import listed
+from viscorod.cli.terminal import readable_errors, rows_text, say, terminal_width, written
 
 if TYPE_CHECKING:
-    from viscorod.analyses.check import CheckReport
-    from viscorod.units import Conversion
+    from viscorod.results.reports.check_report import CheckReport
 
 __all__ = ["check"]
 
@@ -47,65 +44,13 @@ def check(
         if wants_json():
             typer.echo(json.dumps(_numbers(report) | {"written": [str(picture)]}, indent=2, allow_nan=False))
             return
-        say(_text(report, loaded.conversions))
+        units = [
+            {"key": item.where, "as given": item.given, "in SI": f"{item.value!r} {item.unit}"}
+            for item in loaded.conversions
+        ]
+        converted = rows_text("Units converted", units)
+        say("\n\n".join(block for block in (converted, report.text(terminal_width())) if block))
         written([picture])
-
-
-def _text(report: CheckReport, conversions: Sequence[Conversion]) -> str:
-    modes = [
-        {
-            "mode": str(number),
-            "name": name,
-            "frequency [Hz]": frequency,
-            "damping ratio": "overdamped" if ratio > 1.0 - 1e-9 else round(ratio, 10) + 0.0,
-        }
-        for number, (name, frequency, ratio) in enumerate(
-            zip(report.mode_names, report.frequencies, report.damping_ratios, strict=True), 1
-        )
-    ]
-    conditions = f", {report.conditions} conditions of joints and held strains" if report.conditions else ""
-    units = [
-        {"key": item.where, "as given": item.given, "in SI": f"{item.value!r} {item.unit}"}
-        for item in conversions
-    ]
-    blocks = [
-        rows_text("Units converted", units),
-        rows_text("Rods", _alike(report.rods)),
-        rows_text("Sections", _alike(report.sections)),
-        rows_text("Materials", _alike(report.materials)),
-        rows_text("Rigid bodies", report.bodies),
-        rows_text("Joints", report.joints),
-        rows_text("Springs", report.springs),
-        rows_text("Drag and other loads that see motion", report.media),
-        rows_text("Rest strains, at the start of the rod", report.rest_strains),
-        rows_text("First natural modes about the reference shape (a quick estimate)", modes),
-        listed(f"Rigid motions: {len(report.rigid_motions)}", report.rigid_motions)
-        if report.rigid_motions
-        else "",
-        f"{report.nodes} nodes, {report.unknowns} unknowns{conditions}\nLinear systems: {report.linear_solver}",
-        str(report.validity),
-        listed("Assumptions about damping", report.assumptions) if report.assumptions else "",
-        listed("Warnings", report.warnings) if report.warnings else "No warnings",
-    ]
-    return "\n\n".join(block for block in blocks if block)
-
-
-def _alike(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
-    """Return rows of which those that differ in their first cell only are one."""
-    names: dict[tuple[tuple[str, object], ...], list[str]] = {}
-    for row in rows:
-        (_, name), *rest = row.items()
-        names.setdefault(tuple((key, str(value)) for key, value in rest), []).append(str(name))
-    kept: dict[str, Mapping[str, object]] = {}
-    for row in rows:
-        kept.setdefault(str(next(iter(row.values()))), row)
-    found = []
-    for alike in names.values():
-        row = dict(kept[alike[0]])
-        key = next(iter(row))
-        others = f" and {len(alike) - 1} more" if len(alike) > 1 else ""
-        found.append({**row, key: f"{alike[0]}{others}"})
-    return found
 
 
 def _numbers(report: CheckReport) -> dict[str, Any]:

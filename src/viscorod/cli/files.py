@@ -28,8 +28,21 @@ def existing(case: Path) -> Path:
         InputError: there is no such file.
     """
     if not case.is_file():
-        raise InputError(f"{case} is not a file; name a case file, or copy one with: viscorod example NAME")
+        raise InputError(f"{case} is not a file; {_hint(case)}")
     return case
+
+
+def _hint(case: Path) -> str:
+    """Return what was probably meant: a file beside it, or a shipped case."""
+    from viscorod.casefile.shipped import shipped_cases
+    from viscorod.wording import nearest
+
+    folder = case.parent
+    beside = sorted(path.stem for path in folder.glob("*.toml")) if folder.is_dir() else []
+    if close := nearest(case.stem, beside):
+        return f"did you mean {folder / close}.toml?"
+    known = case.stem if case.stem in shipped_cases() else "NAME"
+    return f"name a case file, or copy one with: viscorod example {known}"
 
 
 def writable(folder: Path) -> Path:

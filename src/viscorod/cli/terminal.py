@@ -9,24 +9,21 @@ import time
 from collections.abc import Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import typer
 
 from viscorod.cli.command_kind import quiet, wants_json
 from viscorod.errors import InputError, SolveError
 
-if TYPE_CHECKING:
-    from viscorod.results.text_table import Column
-
 __all__ = [
-    "cell",
     "complain",
     "notes",
     "readable_errors",
     "replacing_note",
     "rows_text",
     "say",
+    "terminal_width",
     "told",
     "written",
 ]
@@ -105,35 +102,14 @@ def notes(sentences: Sequence[str]) -> None:
 
 
 def rows_text(title: str, rows: Sequence[Mapping[str, object]], *, prefixes: bool = True) -> str:
-    """Return a table of rows, transposed where they would not fit beside each other.
+    """Return a table of rows as wide as the terminal; see `viscorod.results.row_table`."""
+    from viscorod.results.row_table import row_table
 
-    Numbers whose key ends with a unit, "length [m]", get a prefix, unless they are to be copied into other programs.
-    """
-    from viscorod.results.text_table import WIDTH, fits, table
-
-    if not rows:
-        return ""
-    keys = list(dict.fromkeys(key for row in rows for key in row))
-    columns = [_column(key, [row.get(key, "") for row in rows], prefixes) for key in keys]
-    header = [name for name, _ in columns]
-    cells = list(zip(*(column for _, column in columns), strict=True))
-    width = max(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH)
-    if not fits(header, cells, width):
-        turned = [[name, *column] for name, column in columns]
-        if fits(turned[0], turned[1:], width):
-            return table(title, turned[0], turned[1:], width=width)
-    return table(title, header, cells, width=width)
+    return row_table(title, rows, prefixes=prefixes, width=terminal_width())
 
 
-def _column(key: str, values: Sequence[object], prefixes: bool) -> Column:
-    """Return the header and the cells of a column."""
-    from viscorod.results.text_numbers import prefixed
+def terminal_width() -> int:
+    """Return the letters of a line: those of the terminal, 80 at least."""
+    from viscorod.results.text_table import WIDTH
 
-    floats = [value for value in values if isinstance(value, float)]
-    name, factor = prefixed(key, floats) if prefixes and floats else (key, 1.0)
-    return name, [cell(factor * value if isinstance(value, float) else value) for value in values]
-
-
-def cell(value: object) -> str:
-    """Return a value as text for a table."""
-    return f"{value:.6g}" if isinstance(value, float) else str(value)
+    return max(shutil.get_terminal_size((WIDTH, 24)).columns, WIDTH)

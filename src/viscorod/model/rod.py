@@ -174,8 +174,8 @@ class Rod(AlongCurves, Definition):
                 Fault(
                     "mass",
                     "",
-                    "a section was given without inertia",
-                    "give its inertia, mass per length first",
+                    "a material was given without density, or a section without inertia",
+                    "give the density (kg/m^3), or the section's inertia, mass per length first",
                 )
             )
         if self.material is not None and self.material.pending:
@@ -196,7 +196,8 @@ class Rod(AlongCurves, Definition):
     @property
     def has_inertia(self) -> bool:
         """Whether the inertia of all its sections is known."""
-        return all(section.has_inertia for _, section in self.typical_sections())
+        dense = self.material is None or self.material.has_density
+        return dense and all(section.has_inertia for _, section in self.typical_sections())
 
     @property
     def constrained_strains(self) -> tuple[bool, ...]:

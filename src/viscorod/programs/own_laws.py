@@ -31,6 +31,15 @@ def refuse_own_laws(rod: Rod, stations: Floats | Sequence[float]) -> None:
         InputError: the rod has a law or tilted sections, or a section has branches.
     """
     refuse_tilt(rod)
+    if not rod.has_inertia:
+        raise InputError(
+            Fault(
+                "rod",
+                "",
+                "other programs need its inertia, which is not known",
+                "give the density of its material, or the inertia of its section",
+            )
+        )
     if rod.law is not None:
         raise InputError(
             Fault(

@@ -297,7 +297,7 @@ def _result(
         {"time": part.times},
         {
             "kind": "decay",
-            "title": record.name,
+            "title": "" if record.name == "decay" else record.name,
             "unit": "" if record.name == "decay" else record.unit,
             "noise": fit.noise,
             "white": int(fit.is_white),

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.followed_modes import FollowedModes, error_text
 from viscorod.results.stateless_result import Variables
+from viscorod.results.text_numbers import scaled
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
@@ -124,19 +125,20 @@ class Campbell(FollowedModes):
         if not self.critical_speeds:
             unsure = "" if self.outcome == "completed" else "; not all of it was sought"
             return f"No critical speed (engine orders: {orders}{unsure})"
+        factor, hertz = scaled("Hz", [one.frequency for one in self.critical_speeds])
         rows = [
             [
                 one.mode,
                 f"{one.order:g}",
                 f"{one.speed:.10g}",
                 f"{one.speed * 60.0 / (2.0 * np.pi):.8g}",
-                f"{one.frequency:.6g}",
+                f"{factor * one.frequency:.6g}",
                 f"{one.damping_ratio:.4g}",
                 error_text(one.mesh_error),
             ]
             for one in self.critical_speeds
         ]
-        header = ["mode", "engine order", "[rad/s]", "[rpm]", "[Hz]", "damping ratio", "mesh error"]
+        header = ["mode", "engine order", "[rad/s]", "[rpm]", f"[{hertz}]", "damping ratio", "mesh error"]
         return table("Critical speeds", header, rows)
 
     @checked

@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked_with
 from viscorod.checks import numbers as checked_numbers
@@ -29,8 +30,8 @@ _SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, 
 _UNDAMPED = 1e-3  # ratios below it scatter by the errors of the integration
 
 
-@dataclass(frozen=True, repr=False)
-class Decrement(WellNamed, Shown):
+@dataclass(frozen=True, repr=False, eq=False)
+class Decrement(WellNamed, Shown, Alike):
     """Successive maxima (or minima) of a decaying motion; n of them bound n - 1 cycles.
 
     Attributes:

@@ -2,13 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.results.text_numbers import number, percent, quantity, scaled
 from viscorod.results.text_table import wrapped
+from viscorod.shown import Shown, span
+from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -18,8 +22,8 @@ _ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there
 _SQUARED_ROUND_OFF = 1e-24
 
 
-@dataclass(frozen=True)
-class Energy:
+@dataclass(frozen=True, repr=False, eq=False)
+class Energy(Shown, Alike):
     """Energies over time [J], arrays of the length of ``time`` [s].
 
     At every time ``kinetic + elastic + viscous + outside - external - actuator - numerical`` is what ``kinetic +
@@ -51,6 +55,19 @@ class Energy:
     relaxation_times: Floats = field(default_factory=lambda: np.zeros(0))
     outside: Floats = field(default_factory=lambda: np.zeros(1))
     actuator: Floats = field(default_factory=lambda: np.zeros(1))
+
+    def _facts(self) -> Iterator[str]:
+        yield span(float(self.time[0]), float(self.time[-1]), "s")
+        yield f"{quantity(self.moved, 'J', 4)} moved"
+        yield f"{quantity(float(self.viscous[-1]), 'J', 4)} lost to viscosity"
+        yield f"numerical remainder {percent(self.numerical_fraction)} of what moved"
+
+    def _drawing(self) -> str:
+        """Return energy of motion and strain, and with it what viscosity took."""
+        drawing = Drawing(equal=False)
+        drawing.line(np.stack([self.time, self.total + self.viscous], axis=-1), faint=True)
+        drawing.line(np.stack([self.time, self.total], axis=-1))
+        return drawing.svg()
 
     @classmethod
     def of(cls, data: xr.Dataset) -> Energy:

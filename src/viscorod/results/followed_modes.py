@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.results.text_numbers import scaled
 from viscorod.results.text_table import listed, page, table
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
@@ -182,12 +183,13 @@ class FollowedModes(StatelessResult):
     def _modes(self) -> str:
         f, d = self.frequencies, self.damping_ratios
         first, last = (f"{value:.5g}" for value in self.values[[0, -1]])
+        factor, hertz = scaled("Hz", f[[0, -1]])
         rows = [
             [
                 name,
-                f"{f[0, k]:.6g}",
+                f"{factor * f[0, k]:.6g}",
                 f"{d[0, k]:.4g}",
-                f"{f[-1, k]:.6g}",
+                f"{factor * f[-1, k]:.6g}",
                 f"{d[-1, k]:.4g}",
                 error_text(error),
             ]
@@ -195,9 +197,9 @@ class FollowedModes(StatelessResult):
         ]
         header = [
             "mode",
-            f"[Hz] at {first}",
+            f"[{hertz}] at {first}",
             "damping ratio",
-            f"[Hz] at {last}",
+            f"[{hertz}] at {last}",
             "damping ratio",
             "mesh error",
         ]
@@ -215,17 +217,18 @@ class FollowedModes(StatelessResult):
                 if growing
                 else "No mode that was followed grows"
             )
+        factor, hertz = scaled("Hz", [one.frequency for one in limits])
         rows = [
             [
                 one.mode,
                 f"{one.at:.10g}",
                 ("begins: " if one.unstable else "ends: ") + one.kind,
-                f"{one.frequency:.6g}",
+                f"{factor * one.frequency:.6g}",
                 error_text(one.mesh_error),
             ]
             for one in limits
         ]
-        header = ["mode", self._axis_words, "what", "[Hz]", "mesh error"]
+        header = ["mode", self._axis_words, "what", f"[{hertz}]", "mesh error"]
         return start + table("Limits of stability", header, rows)
 
     @property
@@ -235,17 +238,18 @@ class FollowedModes(StatelessResult):
     def _meetings(self) -> str:
         if not self.meetings:
             return ""
+        factor, hertz = scaled("Hz", [one.frequency for one in self.meetings])
         rows = [
             [
                 f"{one.modes[0]}, {one.modes[1]}",
                 "cross" if one.crosses else "veer",
                 f"{one.at:.5g}",
-                f"{one.frequency:.5g}",
-                "-" if one.crosses else f"{one.gap:.3g}",
+                f"{factor * one.frequency:.5g}",
+                "-" if one.crosses else f"{factor * one.gap:.3g}",
             ]
             for one in self.meetings
         ]
-        header = ["modes", "they", f"near {self._axis_words}", "[Hz]", "least distance [Hz]"]
+        header = ["modes", "they", f"near {self._axis_words}", f"[{hertz}]", f"least distance [{hertz}]"]
         return table("Frequencies that meet, as seen on the model", header, rows)
 
     def _warnings(self) -> str:

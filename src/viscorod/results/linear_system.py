@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
@@ -10,10 +10,12 @@ from typing import TYPE_CHECKING, Any, Literal
 import numpy as np
 from scipy import sparse
 
+from viscorod.alike import Alike
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.results.reduced_system import ReducedSystem, judged
 from viscorod.results.state_matrices import StateMatrices
+from viscorod.shown import Shown, counted
 from viscorod.solve.linear_systems.reductions import balanced, craig_bampton_basis, modal_basis
 from viscorod.solve.linear_systems.second_order import FirstOrderMatrices, SecondOrder
 from viscorod.typing import Floats, Integers
@@ -31,8 +33,8 @@ ROUND_OFF = 1e-12
 Reduction = Literal["modal", "craig_bampton", "balanced"]
 
 
-@dataclass(frozen=True)
-class LinearSystem:
+@dataclass(frozen=True, repr=False, eq=False)
+class LinearSystem(Shown, Alike):
     """A model made linear about a state, ``M y'' + (D + G) y' + (K + N) y + sum_j K_j w_j = F u``.
 
     ``y`` are small motions of the nodes, displacements [m] and rotations [rad] in body axes; branch j of a Maxwell
@@ -65,6 +67,15 @@ class LinearSystem:
     about: str = ""
     title: str = ""
     rigid: int = 0
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(self.size, "coordinate")
+        if self.branches:
+            yield counted(len(self.branches), "branch", "branches")
+        yield f"inputs {', '.join(self.inputs)}"
+        yield f"outputs {', '.join(self.outputs)}"
+        if self.about:
+            yield f"about {self.about}"
 
     @property
     def mass(self) -> sparse.csr_array:
@@ -128,7 +139,7 @@ class LinearSystem:
                 many states for full matrices.
         """
         self._require_proper()
-        return self._named(self.second_order.first_order())
+        return self._with_words(self.second_order.first_order())
 
     def _require_proper(self) -> None:
         for k, derivative in enumerate(self.second_order.derivative):
@@ -147,7 +158,7 @@ class LinearSystem:
                 f"{states} states are too many for full matrices ({MOST_STATES} at most); take reduced(...) first"
             )
 
-    def _named(self, found: FirstOrderMatrices) -> StateMatrices:
+    def _with_words(self, found: FirstOrderMatrices) -> StateMatrices:
         return StateMatrices(*found, self.inputs, self.outputs)
 
     def state_space(self) -> StateSpace:
@@ -206,7 +217,7 @@ class LinearSystem:
         if method == "balanced":
             self._require_proper()
             matrices, hankel = balanced(second, 2 * modes)
-            small = self._named(matrices)
+            small = self._with_words(matrices)
             names = tuple(f"state {k + 1}" for k in range(len(small.A)))
             bound = 2.0 * float(hankel[len(small.A) :].sum())
             return judged(self, method, small, None, names, (low, high), bound)

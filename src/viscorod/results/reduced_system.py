@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from scipy import sparse
 
+from viscorod.alike import Alike
 from viscorod.results.state_matrices import StateMatrices
 from viscorod.results.text_table import page, table
+from viscorod.shown import Shown, counted, span
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -28,8 +30,8 @@ TOLD = 8
 """Poles that are compared at most."""
 
 
-@dataclass(frozen=True)
-class ReducedSystem:
+@dataclass(frozen=True, repr=False, eq=False)
+class ReducedSystem(Shown, Alike):
     """A linear system with fewer coordinates or states, and how far it is from the whole one.
 
     Attributes:
@@ -57,6 +59,11 @@ class ReducedSystem:
     poles: np.ndarray
     whole_poles: np.ndarray
     has_potential: bool = True
+
+    def _facts(self) -> Iterator[str]:
+        yield self.method.replace("_", " ")
+        yield counted(len(self.coordinates), "coordinate")
+        yield f"error {self.error:.2g} of the largest response from {span(*self.band, 'Hz')}"
 
     def first_order(self) -> StateMatrices:
         """Return the equations of first order."""

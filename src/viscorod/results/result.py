@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Literal, Self, TypeAlias
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
@@ -47,7 +48,7 @@ Quantity: TypeAlias = Literal[
 """What ``probe`` and ``history`` have, and a table of histories."""
 
 
-class Result(WellNamed, Shown, ABC):
+class Result(WellNamed, Shown, Alike, ABC):
     """A data set with the methods that all kinds of result have."""
 
     kind: ClassVar[str]
@@ -90,6 +91,9 @@ class Result(WellNamed, Shown, ABC):
     def sites(self) -> ResultPlaces:
         """The stations, by rod and arc length."""
         return ResultPlaces(self.data)
+
+    def _content(self) -> Any:
+        return self.data
 
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self.data,)

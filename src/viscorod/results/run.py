@@ -46,6 +46,10 @@ class Run(RunPictures):
     ends_of_steps: Floats = np.zeros(0)
     """Times [s] at which its steps ended, known where derivatives were wanted."""
 
+    @property
+    def _motion(self) -> Run:
+        return self
+
     def _facts(self) -> Iterator[str]:
         yield span(float(self.time[0]), float(self.time[-1]), "s")
         yield counted(len(self.time), "state")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -19,6 +20,11 @@ __all__ = ["RunPictures"]
 
 class RunPictures(Result):
     """Methods that draw; a part of ``Run``."""
+
+    @property
+    @abstractmethod
+    def _motion(self) -> Run:
+        """Return the run of which this is a part."""
 
     @checked
     def plot(
@@ -46,7 +52,7 @@ class RunPictures(Result):
         from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_motion import draw_motion
 
-        return delivered(draw_motion(_run(self), place, axis, ax), path)
+        return delivered(draw_motion(self._motion, place, axis, ax), path)
 
     @checked
     def plot_tip(
@@ -74,7 +80,7 @@ class RunPictures(Result):
         from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_motion import draw_tip
 
-        return delivered(draw_tip(_run(self), place, axis, ax), path)
+        return delivered(draw_tip(self._motion, place, axis, ax), path)
 
     @checked
     def plot_energy(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
@@ -93,7 +99,7 @@ class RunPictures(Result):
         from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_energy import draw_energy
 
-        return delivered(draw_energy(_run(self), ax), path)
+        return delivered(draw_energy(self._motion, ax), path)
 
     @checked
     def plot_phase(
@@ -121,7 +127,7 @@ class RunPictures(Result):
         from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_phase import draw_phase
 
-        return delivered(draw_phase(_run(self), place, axis, ax), path)
+        return delivered(draw_phase(self._motion, place, axis, ax), path)
 
     @checked
     def plot_space_time(
@@ -151,7 +157,7 @@ class RunPictures(Result):
         from viscorod.pictures.picture import delivered
         from viscorod.pictures.plots.plot_strain import draw_space_time
 
-        return delivered(draw_space_time(_run(self), quantity, component, rod, ax), path)
+        return delivered(draw_space_time(self._motion, quantity, component, rod, ax), path)
 
     @checked
     def animate(self, path: str | Path, *, fps: float = 25.0, speed: float | None = None) -> Path:
@@ -171,11 +177,4 @@ class RunPictures(Result):
         """
         from viscorod.pictures.animation import write_film
 
-        return write_film(_run(self), path, fps=fps, speed=speed)
-
-
-def _run(result: Result) -> Run:
-    from viscorod.results.run import Run  # which is made of this
-
-    assert isinstance(result, Run)
-    return result
+        return write_film(self._motion, path, fps=fps, speed=speed)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import importlib
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
@@ -10,7 +11,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import scipy.linalg
 
+from viscorod.alike import Alike
 from viscorod.errors import InputError
+from viscorod.shown import Shown, counted
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -19,8 +22,8 @@ if TYPE_CHECKING:
 __all__ = ["StateMatrices"]
 
 
-@dataclass(frozen=True)
-class StateMatrices:
+@dataclass(frozen=True, repr=False, eq=False)
+class StateMatrices(Shown, Alike):
     """Equations of first order, ``z' = A z + B u``, ``y = C z + D u``.
 
     Attributes:
@@ -33,6 +36,11 @@ class StateMatrices:
     D: Floats
     inputs: tuple[str, ...]
     outputs: tuple[str, ...]
+
+    def _facts(self) -> Iterator[str]:
+        yield counted(len(self.A), "state")
+        yield f"inputs {', '.join(self.inputs)}"
+        yield f"outputs {', '.join(self.outputs)}"
 
     def state_space(self) -> StateSpace:
         """Return them for ``scipy.signal``."""

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
@@ -29,7 +30,7 @@ Variables = dict[str, tuple[tuple[str, ...], str, str]]
 """Name -> dimensions, unit and long name."""
 
 
-class StatelessResult(WellNamed, Shown, ABC):
+class StatelessResult(WellNamed, Shown, Alike, ABC):
     """An ``xarray.Dataset`` whose variables are all known, ``data``."""
 
     kind: ClassVar[str]
@@ -71,6 +72,9 @@ class StatelessResult(WellNamed, Shown, ABC):
 
     def __str__(self) -> str:
         return self.report()
+
+    def _content(self) -> xr.Dataset:
+        return self.data
 
     def _facts(self) -> Iterator[str]:
         if self.outcome != "completed":

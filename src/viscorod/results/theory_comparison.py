@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.results.text_table import listed, numbers, page, table, words
 from viscorod.shown import Shown
@@ -29,7 +30,7 @@ LITTLE = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class TheorySolution:
+class TheorySolution(Alike):
     """What one theory says of a beam; one state of an equilibrium, or many of a motion.
 
     Attributes:
@@ -61,7 +62,7 @@ class TheorySolution:
 
 
 @dataclass(frozen=True, eq=False, repr=False)
-class TheoryComparison(WellNamed, Shown):
+class TheoryComparison(WellNamed, Shown, Alike):
     """Theories of a planar straight beam beside the exact one.
 
     Attributes:

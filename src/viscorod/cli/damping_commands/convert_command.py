@@ -158,7 +158,7 @@ def _material(given: dict[str, float]) -> Material:
 
 def _turned(title: str, rows: list[dict[str, object]]) -> str:
     """Return a table with one column per row of data, for many numbers of few things."""
-    from viscorod.cli.terminal import cell
+    from viscorod.results.row_table import cell
     from viscorod.results.text_table import table
 
     keys = list(rows[0])

@@ -185,8 +185,9 @@ class Gravity(AnyLoad):
         without = [name for name, rod in model.rods.items() if not rod.has_inertia]
         if without:
             yield RefusedError(
-                f"the weight of {some_of(without)} is not known: sections were given without inertia",
-                "give their inertia, mass per length first",
+                f"the weight of {some_of(without)} is not known: "
+                "materials were given without density, or sections without inertia",
+                "give the density, kg/m^3, or the sections' inertia, mass per length first",
                 found="",
             )
 

@@ -55,6 +55,15 @@ def require_inertia(model: ModelDescription) -> None:
             "it was left out, and something moves here",
             "give mass and moments of inertia per length, such as { mass = 0.5, J1 = 1e-6, J2 = 1e-6 }",
         )
+        if all(
+            section.needs_material is False and not section.materials for _, section in rod.typical_sections()
+        )
+        else Fault(
+            f"rods.{name}.material.density",
+            "",
+            "it was left out, and something moves here",
+            "give the mass per volume, kg/m^3",
+        )
         for name, rod in model.rods.items()
         if not rod.has_inertia
     ]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, Self
 
+from viscorod.attributes import ByName
 from viscorod.errors import Fault, InputError
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
@@ -53,8 +54,8 @@ class ModelDescription(OwnParts, Held, Loaded, Joined):
     """
 
     def __init__(self) -> None:
-        self.rods: dict[str, Rod] = {}
-        self.bodies: dict[str, AnyBody] = {}
+        self.rods: dict[str, Rod] = ByName("rods")
+        self.bodies: dict[str, AnyBody] = ByName("bodies")
         self.supports: list[AnySupport] = []
         self.loads: list[AnyLoad] = []
         self.attachments: list[Attachment] = []
@@ -63,8 +64,8 @@ class ModelDescription(OwnParts, Held, Loaded, Joined):
         self.velocities: list[InitialVelocity] = []
         self.strains: list[InitialStrain] = []
         self.rest_strains: list[RestStrain] = []
-        self.materials: dict[str, Material] = {}
-        self.sections: dict[str, AnySection] = {}
+        self.materials: dict[str, Material] = ByName("materials")
+        self.sections: dict[str, AnySection] = ByName("sections")
 
     def add(self, name: str, part: Rod | AnyBody) -> None:
         """Add a rod or a rigid body under a new name (letters, digits, _ and -).

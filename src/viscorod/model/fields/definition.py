@@ -397,7 +397,12 @@ def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) 
         )  # fmt: skip
     if isinstance(args[0], str) and "file" in cls.model_fields and not looks_like_quantity(args[0]):
         raise InputError(
-            Fault(f"{cls.__name__}.{names[0]}", show(args[0]), "a text by position", f"give a file by name: file={args[0]!r}")
+            Fault(
+                f"{cls.__name__}.{names[0]}",
+                show(args[0]),
+                "a text by position",
+                f"give a file by name: file={args[0]!r}",
+            )
         )
     named = dict(zip(names, args, strict=False))
     twice = sorted(named.keys() & kwargs.keys())

@@ -22,9 +22,6 @@ from viscorod.units import Measured
 NOT_GIVEN = math.nan
 """Default of a number that is worked out from others when it is not given (a user's NaN is refused)."""
 
-REQUIRED = float("nan")
-"""Default of a number that must be given, behind others that need not."""
-
 T = TypeVar("T")
 
 Triple: TypeAlias = tuple[float, float, float]

@@ -14,7 +14,6 @@ from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
     NOT_GIVEN,
-    REQUIRED,
     OptionalNumber,
     OptionalPositive,
     PoissonsRatio,
@@ -55,6 +54,9 @@ def _shift(value: Any) -> TemperatureShift | None:
     return None if value is None else cast(TemperatureShift, _one_shift(value))
 
 
+_STAND_IN = 1000.0
+
+
 class Material(Definition):
     """Isotropic, linearly viscoelastic material.
 
@@ -66,7 +68,9 @@ class Material(Definition):
         "E > 0, {}; may be left out where complex moduli give it", "Pa", default=NOT_GIVEN
     )
     poissons_ratio: PoissonsRatio = Key("nu in (-1, 0.5]; 0.5 is incompressible", default=NOT_GIVEN)
-    density: Positive = Key("mass per volume > 0", "kg/m^3", default=REQUIRED)
+    density: Positive = Key(
+        "mass per volume > 0, {}; may be left out where nothing moves", "kg/m^3", default=NOT_GIVEN
+    )
     shear_modulus: Positive = Key("G > 0, {}, instead of Poisson's ratio", "Pa", default=NOT_GIVEN)
     damping: Annotated[Damping | None, _damping] = Key(
         "`KelvinVoigt`, `LossFactor`, `ComplexModuli`, `Prony` or `MeasuredDamping`; left out, an elastic material",
@@ -89,10 +93,6 @@ class Material(Definition):
 
     @model_validator(mode="after")
     def _complete(self) -> Self:
-        if math.isnan(self.density):
-            raise RefusedError(
-                "this key is required and missing", "add density (kg/m^3)", found="", at=("density",)
-            )
         young, nu, shear = self.youngs_modulus, self.poissons_ratio, self.shear_modulus
         self._require_temperature()
         if math.isnan(young) and not isinstance(self.damping, ComplexModuli):
@@ -149,6 +149,16 @@ class Material(Definition):
                 else "a damping ratio measured on the rod is that at the temperature of the measurement"
             )
             raise RefusedError(why, "leave out shift and temperature", found="", at=("shift",))
+
+    @property
+    def has_density(self) -> bool:
+        """Whether its density is known, without which nothing moves."""
+        return not math.isnan(self.density)
+
+    @property
+    def inertial_density(self) -> float:
+        """The density, kg/m^3; where it is not known one for statics, which do not depend on it."""
+        return self.density if self.has_density else _STAND_IN
 
     @property
     def shift_factor(self) -> float:
@@ -260,7 +270,8 @@ class Material(Definition):
             for name, value in more.items()
             if value is not None and (damping is not None or name not in ("temperature", "shift"))
         }
-        other = Material.model_validate({**self._given, "density": self.density, "damping": damping, **kept})
+        kept |= {"density": self.density} if self.has_density else {}
+        other = Material.model_validate({**self._given, "damping": damping, **kept})
         other._behaviour = other._behaviour.assuming(*assumptions)
         return other
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
@@ -207,7 +208,7 @@ class Composite(AnySection):
 
     @cached_property
     def _parts(self) -> Parts:
-        densities = [m.density for m in self._materials]
+        densities = [m.inertial_density for m in self._materials]
         return parts(self._analysis, *self._moduli, densities, origin=self.origin, axes=self.axes)
 
     @property
@@ -250,7 +251,7 @@ class Composite(AnySection):
         stiffness = np.tensordot(youngs, found.extensional, 1) + np.tensordot(shear, found.shearing, 1)
         extension, shearing = np.array(viscous).T
         damping = np.tensordot(extension, found.extensional, 1) + np.tensordot(shearing, found.shearing, 1)
-        density = [m.density for m in self._materials]
+        density = [m.inertial_density for m in self._materials]
         return stiffness, damping, np.tensordot(density, found.inertia, 1)
 
     def by_material(self, material: Material | None = None) -> list[tuple[Material, Floats, Floats]]:
@@ -276,11 +277,16 @@ class Composite(AnySection):
         """The materials of its regions."""
         return tuple(self._materials)
 
+    @property
+    def has_inertia(self) -> bool:
+        """Whether the densities of all regions are known."""
+        return all(m.has_density for m in self._materials)
+
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a region's specific heat is not known."""
         del material
         heats = [(m.density, m.specific_heat) for m in self._materials]
-        known = [density * heat for density, heat in heats if heat is not None]
+        known = [density * heat for density, heat in heats if heat is not None and not math.isnan(density)]
         if len(known) < len(heats):
             return None
         return float(np.tensordot(known, self._parts.inertia, 1)[0, 0])

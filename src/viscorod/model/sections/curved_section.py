@@ -68,7 +68,7 @@ def curved_matrices(
         stiffness[AXIAL] += m.youngs_modulus * stretched
         if not m.branches:
             damping[AXIAL] += m.extensional_viscosity * stretched
-        mass += m.density * moved
+        mass += m.inertial_density * moved
     return stiffness, damping, mass
 
 

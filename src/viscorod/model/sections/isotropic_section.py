@@ -73,7 +73,7 @@ class MaterialSection(AnySection):
         damping = np.zeros((6, 6))
         if not material.branches:
             damping = material.extensional_viscosity * extensional + material.shear_viscosity * shearing
-        return stiffness, damping, material.density * inertia
+        return stiffness, damping, material.inertial_density * inertia
 
     def branch_matrices(self, material: Material | None = None) -> Branches:
         """Return Maxwell branches: relaxation times (n,), s, and their stiffnesses E_j C_E + G_j C_G (n, 6, 6).

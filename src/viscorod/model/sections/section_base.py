@@ -45,7 +45,7 @@ class AnySection(Definition):
 
     @property
     def has_inertia(self) -> bool:
-        """Whether its inertia is known, without which nothing moves."""
+        """Whether its inertia is known, but for the density of a material beside it; nothing moves without."""
         return True
 
     def refuse_material(self, material: Material | None) -> None:
@@ -136,7 +136,7 @@ class AnySection(Definition):
 
     def heat_capacity(self, material: Material | None) -> float | None:
         """Return the heat capacity per length, J/(m K); None where a specific heat is not known."""
-        if material is None or material.specific_heat is None:
+        if material is None or material.specific_heat is None or not material.has_density:
             return None
         return float(self.matrices(material)[2][0, 0]) * material.specific_heat
 

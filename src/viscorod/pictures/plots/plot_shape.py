@@ -9,7 +9,7 @@ import numpy as np
 from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
-from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_inside
+from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_over
 from viscorod.results.reports.report_parts import load_level
 
 if TYPE_CHECKING:
@@ -60,4 +60,4 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
         assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
-    legend_inside(axes)
+    legend_over(axes, 2)

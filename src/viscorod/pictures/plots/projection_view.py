@@ -101,7 +101,12 @@ class View:
         if self.plane is None:
             return "in space"
         plane = f"in the {''.join(AXES[k] for k in self.plane)} plane"
-        return plane if self.across is None else f"{plane}, {AXES[self.plane[self.across[0]]]} enlarged"
+        return f"{plane}, {self.enlarged} enlarged" if self.enlarged else plane
+
+    @property
+    def enlarged(self) -> str:
+        """The axis that is drawn larger than the other, if one is."""
+        return AXES[self.plane[self.across[0]]] if self.plane and self.across else ""
 
     def on_paper(self, points: Floats) -> Floats:
         """Return points ``(n, 3)`` [m] on paper, ``(2, n)`` in the shown unit."""

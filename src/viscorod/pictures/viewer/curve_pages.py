@@ -8,7 +8,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.pictures.viewer.curve_parts import CurveParts
-from viscorod.pictures.viewer.page import curve_page
+from viscorod.pictures.viewer.page import curve_page, heading_of
 from viscorod.results.campbell import Campbell
 from viscorod.results.followed_modes import FollowedModes
 from viscorod.results.frequency_response import FrequencyResponse
@@ -46,6 +46,7 @@ def curves_of(result: StatelessResult, most: int) -> str:
     meta = {
         **parts.meta,
         "title": result.title,
+        "heading": heading_of(result),
         "version": str(result.data.attrs.get("version", "")),
         "outcome": result.outcome,
         "warnings": result.warnings,

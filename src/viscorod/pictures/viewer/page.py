@@ -8,11 +8,15 @@ import html
 import json
 from collections.abc import Mapping, Sequence
 from importlib.resources import files
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from viscorod.pictures.viewer.packing import Pack
 
-__all__ = ["curve_page", "page"]
+if TYPE_CHECKING:
+    from viscorod.results.result import Result
+    from viscorod.results.stateless_result import StatelessResult
+
+__all__ = ["curve_page", "heading_of", "page"]
 
 _STYLES = ("vendor/uplot.min.css", "viewer.css")
 _SCRIPTS = (
@@ -75,6 +79,25 @@ def _filled(
             "scripts": "\n".join(f"<script>{text}</script>" for text in scripts),
         }
     )
+
+
+HEADINGS = {
+    "simulate": "Motion",
+    "equilibrium": "Static equilibrium",
+    "steady": "Steady rotation",
+    "modes": "Modes",
+    "buckling": "Critical loads",
+    "campbell": "Campbell diagram",
+    "stability": "Stability",
+    "periodic": "Periodic motions",
+    "response": "Frequency response",
+}
+"""What stands above a result without a title, by its kind."""
+
+
+def heading_of(result: Result | StatelessResult) -> str:
+    """Return what stands above the page of a result without a title."""
+    return HEADINGS.get(result.kind, result.kind)
 
 
 def script_json(value: Any) -> str:

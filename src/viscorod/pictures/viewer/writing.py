@@ -23,7 +23,7 @@ from viscorod.pictures.viewer.marks import Marks
 from viscorod.pictures.viewer.mode_film import Film, film_of
 from viscorod.pictures.viewer.moving_arrows import loads_of, tips_of
 from viscorod.pictures.viewer.packing import LEVELS, Pack
-from viscorod.pictures.viewer.page import page
+from viscorod.pictures.viewer.page import heading_of, page
 from viscorod.pictures.viewer.rod_lines import MOST_NODES, Line, lines_of
 from viscorod.pictures.viewer.symbols import bodies_of, connections_of, supports_of
 from viscorod.results.buckling import Buckling
@@ -152,6 +152,9 @@ def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Sequ
     reference = np.asarray(result.data["reference_position"].values, dtype=float)
     meta = {
         "title": result.title,
+        "heading": film.title.partition(";")[0]
+        if film is not None and result.kind == "equilibrium"  # whose shapes swing about it
+        else heading_of(result),
         "kind": result.kind,
         "dimension": result.dimension,
         "version": str(result.data.attrs.get("version", "")),

@@ -5,6 +5,7 @@ viscorod.Chart = class {
   constructor(place, options, data, goTo) {
     this.place = place;
     this.height = options.height;
+    this.strokes = options.series.map(({ stroke }) => stroke);
     const ink = () => viscorod.style("--ink");
     const thin = (name) => ({ stroke: () => viscorod.style(name), width: 1 });
     const axis = { stroke: ink, grid: thin("--faint"), ticks: thin("--edge"), font: "12px system-ui, sans-serif", labelFont: "12px system-ui, sans-serif" };
@@ -56,6 +57,13 @@ viscorod.Chart = class {
     this.plot.setLegend({ idx: this.plot.valToIdx(x) }, false);
   }
 
+  /* Take the colours of the page, which became light or dark. */
+  dress() {
+    this.plot.redraw(false);
+    const rows = [...this.place.querySelectorAll(".u-series .u-marker")].slice(-this.strokes.length);
+    rows.forEach((mark, k) => { if (typeof this.strokes[k] === "function") mark.style.borderColor = this.strokes[k](); });
+  }
+
   remove() {
     this.plot.destroy();
     this.place.replaceChildren();
@@ -63,7 +71,7 @@ viscorod.Chart = class {
 };
 
 viscorod.DASHES = [[7, 4], [2, 3], [9, 3, 2, 3]];
-viscorod.PALETTE = ["#0072b2", "#d55e00", "#009e73"];
+viscorod.PALETTE = [0, 1, 2].map((k) => () => viscorod.style(`--curve-${k}`));
 
 viscorod.historyChart = function (place, group, x, array, common, main) {
   const count = x.length;
@@ -85,7 +93,7 @@ viscorod.alongChart = function (place, field, s, range, sLabel, rod) {
   const margin = 0.06 * (high - low) || 0.05 * Math.abs(high) || 1;
   const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
   const unit = field.unit === "1" ? "" : ` [${field.unit}]`;
-  const series = [{ label: `${field.title}${unit}`, stroke: "#0072b2", width: 2, value, points: { show: s.length < 3 } }];
+  const series = [{ label: `${field.title}${unit}`, stroke: viscorod.PALETTE[0], width: 2, value, points: { show: s.length < 3 } }];
   const options = { height: 200, xLabel: `arc length of ${rod} [${sLabel}]`, yLabel: field.unit === "1" ? "" : field.unit, series };
   const chart = new viscorod.Chart(place, { ...options, xRange: () => [s[0], s[s.length - 1]], yRange: () => [low - margin, high + margin], still: true }, [s, s.map(() => 0)], () => {});
   return chart;
@@ -107,7 +115,7 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   if (energy.line) {
     series.push({ label: energy.line, stroke: () => viscorod.style("--ink"), width: 1.6, value: own(rows[layers]), points: { show: false } });
     data.push(rows[layers]);
-    series.push({ label: "numerical remainder", stroke: "#b00020", width: 1.2, dash: [4, 3], value: own(rows[layers + 1]), points: { show: false } });
+    series.push({ label: "numerical remainder", stroke: () => viscorod.style("--remainder"), width: 1.2, dash: [4, 3], value: own(rows[layers + 1]), points: { show: false } });
     data.push(rows[layers + 1]);
   }
   return new viscorod.Chart(place, { ...common, height: 250, yLabel: energy.unit, series }, data, common.goTo);

@@ -25,7 +25,7 @@ viscorod.start = async function () {
     const k = number < 0 ? at : number;
     return values.subarray(k * shape[1], (k + 1) * shape[1]);
   };
-  $("title").textContent = meta.title || "Untitled";
+  $("title").textContent = meta.title || meta.heading;
   $("heading").textContent = meta.heading;
   $("notes").textContent = [...meta.notes, meta.version ? `viscorod ${meta.version}` : "viscorod"].join(" \u00b7 ");
   const warnings = [...(meta.outcome === "completed" ? [] : [`outcome: ${meta.outcome}`]), ...meta.warnings];

@@ -83,6 +83,7 @@ viscorod.theme = function (button, changed) {
   const set = (dark) => {
     root.toggleAttribute("data-dark", dark);
     button.setAttribute("aria-pressed", String(dark));
+    button.textContent = dark ? "Light" : "Dark";
     changed();
   };
   button.addEventListener("click", () => set(!root.hasAttribute("data-dark")));

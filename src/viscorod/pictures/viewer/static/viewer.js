@@ -90,7 +90,7 @@ viscorod.start = async function () {
   const told = (values) => Float64Array.from(values, (value) => clock * value);
   const instants = told(arrays.instants.values);
   const samples = told(arrays.samples.values);
-  $("title").textContent = meta.title || "Untitled";
+  $("title").textContent = meta.title || meta.heading;
   const version = meta.version ? `viscorod ${meta.version}` : "viscorod";
   $("notes").textContent = [...meta.notes, version].join(" \u00b7 ");
   const warnings = [...(meta.outcome === "completed" ? [] : [`outcome: ${meta.outcome}`]), ...meta.warnings];
@@ -229,7 +229,7 @@ viscorod.start = async function () {
   $("save").addEventListener("click", () => space && space.picture(`${meta.title ? `${meta.title}, ` : ""}${$("now").textContent}`).then((blob) => viscorod.hand(blob, "viscorod.png")));
   viscorod.theme($("dark"), () => {
     if (space) space.dress();
-    for (const chart of [...charts, along]) if (chart) chart.plot.redraw(false);
+    for (const chart of [...charts, along]) if (chart) chart.dress();
   });
   if (space) viscorod.connect(space, meta, arrays, option, $);
   if (space && meta.lines.length && !meta.modes.length) {
@@ -267,7 +267,10 @@ viscorod.start = async function () {
     $("mode").addEventListener("change", () => choose(Number($("mode").value)));
     for (const id of ["mode-choice", "mode-list"]) $(id).hidden = false;
     for (const id of ["bar", "keys"]) $(id).hidden = true;
-    for (const id of ["trace", "show-loads"]) $(id).parentElement.hidden = true;
+    for (const id of ["trace", "show-loads", "loop"]) $(id).parentElement.hidden = true;
+    $("now").style.minWidth = "10ch";
+    $("player").append($("more")); // alone it needs no row of its own
+    $("shown").hidden = true;
     $("trace").value = "";
     $("trace").dispatchEvent(new Event("change"));
     choose(meta.film.start);
