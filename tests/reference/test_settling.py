@@ -325,6 +325,19 @@ def test_truss_snaps_to_the_inverted_one() -> None:
 # --- nothing holds
 
 
+def test_what_is_pulled_apart_is_told_so() -> None:
+    """A rubber rod (EA = 100 N) that is held at one end, under 1e9 N: supports lack nothing."""
+    rubber = vr.Material(1e6, 0.3, 1000.0)
+    model = vr.Model()
+    model.add(
+        "rod", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber)
+    )
+    model.clamp("rod.start")
+    model.force("rod.end", (0, 1e9, 0))
+    with pytest.raises(vr.SolveError, match="100 times its size; check the loads against the stiffness"):
+        model.equilibrium()
+
+
 def test_what_falls_without_end_is_refused() -> None:
     model = vr.Model()
     model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=STEEL))

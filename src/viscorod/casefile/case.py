@@ -104,7 +104,7 @@ def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: st
         raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)
     plain, conversions, refused = converted(data)
     reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
-    reader.read()
+    reader.read(whole=not refused)
     reported = {problem.where for problem in refused}
     problems = [*refused, *(problem for problem in reader.problems if problem.where not in reported)]
     if not problems and reader.settings is not None:

@@ -92,8 +92,8 @@ class CaseReader:
         self._materials: dict[str, Any] = {}
         self._sections: dict[str, Any] = {}
 
-    def read(self) -> None:
-        """Read everything; the model as a whole is checked if its parts are right."""
+    def read(self, *, whole: bool = True) -> None:
+        """Read everything; the model as a whole is checked if its parts are right, and ``whole`` ones."""
         self._meant = self._unknown(self.data, KEYS, "")
         title = self.data.get("title")
         if title is None or isinstance(title, str):
@@ -118,7 +118,7 @@ class CaseReader:
         for key, parse in ENTRIES.items():
             setattr(self.model, key, self._list(key, parse))
         self._analysis()
-        if not self.problems:
+        if whole and not self.problems:
             try:
                 self.model.validate()
             except InputError as error:
