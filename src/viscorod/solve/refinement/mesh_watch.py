@@ -15,7 +15,7 @@ from viscorod.solve.formulations.system import System
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.refinement.correction import Balance, corrected
+from viscorod.solve.refinement.correction import Balance, corrected, held_back
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
@@ -256,6 +256,8 @@ class MeshWatch:
         """Take the errors of a state into the estimate; return whether it has a counterpart on the finer mesh."""
         shape = Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
         other = corrected(balance, self.finer.take_over(shape))
+        if other is None and balance.at_rest:
+            other = held_back(balance, self.finer.take_over(shape))
         if other is None:
             return False
         found = Shape(other, self.finer.system.gauss_points().section_force, shape.near)
