@@ -8,6 +8,7 @@ import pytest
 from scipy.integrate import cumulative_simpson, simpson, solve_ivp
 from scipy.interpolate import CubicHermiteSpline, CubicSpline
 from scipy.optimize import brentq
+from scipy.special import ellipk
 
 import viscorod as vr
 import viscorod.analyses.periodic as analysis
@@ -255,6 +256,27 @@ def shift(found, last):
     """Return by what the square of the frequency grows with that of the amplitude, over its first value."""
     square, a = (found.frequencies / found.frequencies[0]) ** 2, found.amplitude(0)
     return (square[-1] - square[last]) / (a[-1] ** 2 - a[last] ** 2)
+
+
+def test_beam_between_hinges_hardens_as_woinowsky_krieger_says():
+    """J. Appl. Mech. 17 (1950) 35: q'' + w^2 (q + q^3/(4 r^2)) = 0 with the radius of gyration r, an elliptic integral.
+
+    Its second mode has four times the frequency of the first, and small swings leave round-off of the stretch.
+    """
+    steel = vr.Material(2.1e11, 0.3, 7850.0)
+    model = vr.Model()
+    section = vr.Rectangle(0.02, 0.01)
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), d1=(0, 1, 0), section=section, material=steel)
+    model.add("beam", rod)
+    for end in ("beam.start", "beam.end"):
+        model.support(end, ("ux", "uy", "uz", "rx", "rz"))
+    found = model.periodic(mode=1, outputs=["beam@0.5 uz"], largest=2e-3)
+    cubic = found.amplitude(0) ** 2 * 12.0 / (4.0 * 0.01**2)
+    ratio = np.pi * np.sqrt(1.0 + cubic) / (2.0 * ellipk(cubic / (2.0 * (1.0 + cubic))))
+    linear = model.modes(1).frequencies[0]
+    assert found.frequencies == pytest.approx(linear * ratio, rel=1e-4)
+    assert found.warnings == []
+    assert "without damping a free vibration has neither work nor loss" in " ".join(found.report().split())
 
 
 def test_clamped_beam_hardens_as_duffing_says():

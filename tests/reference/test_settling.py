@@ -106,7 +106,28 @@ def test_slack_steel_wire_of_any_length(length: float) -> None:
     model.gravity((0, 0, -G))
     area = np.pi * radius**2
     _, sag = catenary(length, 5 / 6 * length, 7850.0 * area * G, 2.1e11 * area)
-    assert -model.equilibrium().position(f"wire@{length / 2}")[2] == pytest.approx(sag, rel=0.01)
+    found = model.equilibrium()
+    assert -found.position(f"wire@{length / 2}")[2] == pytest.approx(sag, rel=0.01)
+    assert found.warnings == []
+    assert found.mesh_errors["wire"] < 1e-4  # though sections may spin about their own axis
+
+
+def test_mesh_of_a_loop_that_may_turn_about_its_chord() -> None:
+    """A round rod between clamps, slack and twisted, whirls out of its line in any direction at the same energy."""
+    energies = []
+    for mesh in ({}, {"elements": 20}):
+        rubber = vr.Material(1e6, 0.5, 1000.0)
+        model = vr.Model()
+        line = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=rubber, **mesh)
+        model.add("rod", line)
+        model.clamp("rod.start")
+        model.clamp("rod.end", motion={"ux": -0.2, "rx": 4.0})
+        found = model.equilibrium()
+        assert settled(found)
+        assert found.warnings == []
+        assert found.mesh_errors["rod"] < 1e-4
+        energies.append(found.data["elastic"].values[-1])
+    assert energies[0] == pytest.approx(energies[1], rel=1e-6)
 
 
 def test_cable_of_no_bending_stiffness_swings_sideways() -> None:
@@ -323,6 +344,19 @@ def test_truss_snaps_to_the_inverted_one() -> None:
 
 
 # --- nothing holds
+
+
+def test_what_is_pulled_apart_is_told_so() -> None:
+    """A rubber rod (EA = 100 N) that is held at one end, under 1e9 N: supports lack nothing."""
+    rubber = vr.Material(1e6, 0.3, 1000.0)
+    model = vr.Model()
+    model.add(
+        "rod", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber)
+    )
+    model.clamp("rod.start")
+    model.force("rod.end", (0, 1e9, 0))
+    with pytest.raises(vr.SolveError, match="100 times its size; check the loads against the stiffness"):
+        model.equilibrium()
 
 
 def test_what_falls_without_end_is_refused() -> None:

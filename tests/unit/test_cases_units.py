@@ -184,6 +184,13 @@ def test_all_that_is_wrong_is_told_once_with_its_key():
     assert "this is a length, youngs_modulus needs a pressure" in str(caught.value)
 
 
+def test_a_wrong_unit_is_all_that_is_told():
+    """What is left without the part that was refused, here a model without rods, is no fault of its own."""
+    with pytest.raises(InputError) as caught:
+        parse_case(PLAIN.replace("youngs_modulus = 1e6", 'youngs_modulus = "1 mm"'))
+    assert [problem.where for problem in caught.value.problems] == ["materials.rubber.youngs_modulus"]
+
+
 def test_texts_stay_texts():
     content = {
         "title": "10 mm rod",

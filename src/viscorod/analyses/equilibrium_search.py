@@ -10,7 +10,7 @@ from viscorod.analyses.discrete import DiscreteModel, named, unheld
 from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, many_parts
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
-from viscorod.solve.statics.settling import Settling, SettlingReport
+from viscorod.solve.statics.settling import FAR, Settling, SettlingReport
 from viscorod.solve.statics.stability import Stability, circulatory, stability_of
 from viscorod.solve.statics.static_solver import StaticPath
 
@@ -18,6 +18,9 @@ __all__ = ["Search"]
 
 FULL_TURN = 2.0 * math.pi * (1.0 + 1e-9)
 """Prescribed rotation [rad] beyond which an unstable equilibrium is kept: no contact keeps the turns of a wound rod."""
+
+TORN = f"parts of it moved by more than {FAR:g} times its size; check the loads against the stiffness, and their units"
+"""What is said where a model that supports hold is pulled apart."""
 
 CRUSHED = -0.1
 """Stretch below which a straight rod is one that load steps have crushed: beyond what the material law is meant for."""
@@ -130,7 +133,10 @@ class Search:
             self._restore(state)
             return True
         if settling.report.falls:
-            raise unheld(self.loose or free_motions(self.discrete.problem), settling.report.reason)
+            free = self.loose or free_motions(self.discrete.problem)
+            if free:
+                raise unheld(free, settling.report.reason)
+            settling.report.reason = TORN
         if led:
             self._restore(state)
         return led

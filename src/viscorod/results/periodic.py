@@ -21,7 +21,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["NO_INPUT", "Periodic"]
+__all__ = ["LOSSLESS", "NO_INPUT", "Periodic"]
+
+LOSSLESS = 1e-10
+"""Damping ratio below which work and loss of a free vibration are round-off."""
 
 NO_INPUT = "none"
 """The input of free vibrations in the data set."""
@@ -313,15 +316,21 @@ class Periodic(StatelessResult):
                     numbers((self.outputs[0],), units[0], first[places]),
                 )
             )
-        apart = np.abs(self.work - self.loss)
-        blocks.append(
-            f"Energy of a cycle: work up to {quantity(self.work.max(), 'J', 5)}; work and loss differ by at most "
-            f"{apart.max() / max(np.abs(self.work).max(), 1e-300):.2g} of that"
-        )
+        blocks.append(self._energy())
         blocks.append(f"Highest two harmonics: {float(self.data['tail'].max()):.2g} of the motion at most")
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
         return page(blocks)
+
+    def _energy(self) -> str:
+        """Say how well the work of a cycle is its loss."""
+        if not self.inputs and float(np.abs(self.damping_ratios).max()) < LOSSLESS:
+            return "Energy of a cycle: without damping a free vibration has neither work nor loss"
+        apart = np.abs(self.work - self.loss)
+        return (
+            f"Energy of a cycle: work up to {quantity(self.work.max(), 'J', 5)}; work and loss differ by at most "
+            f"{apart.max() / max(np.abs(self.work).max(), 1e-300):.2g} of that"
+        )
 
     def _backbone(self) -> str:
         """Return a table of frequency and damping ratio over the amplitude, of some motions."""

@@ -45,12 +45,11 @@ def warnings_of(result: Result) -> list[str]:
     if doubt and doubt not in texts:
         texts.append(doubt)
     rejected = int(data.attrs.get("rejected", 0))
-    # steps that follow the error, or a path, are rejected now and then
-    if rejected and not {"tolerance", "limit_points"} & set(data.attrs):
-        what = "time step" if result.dimension == "time" else "load step"
+    # steps that follow the error are rejected now and then, and load steps may be of any size
+    if rejected and result.dimension == "time" and "tolerance" not in data.attrs:
         plural = "s" if rejected > 1 else ""
         texts.append(
-            f"{rejected} {what}{plural} did not converge and had to be tried again with a smaller one"
+            f"{rejected} time step{plural} did not converge and had to be tried again with a smaller one"
         )
     gap = float(data.attrs.get("pose_gap", 0.0)) / float(data.attrs.get("scale_length", 1.0))
     if gap > _GAP:

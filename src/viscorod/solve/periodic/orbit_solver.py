@@ -19,6 +19,9 @@ BALANCED = 1e-7
 """Largest force that is left unbalanced, over the largest internal or inertial one."""
 ROUND_OFF = 1e-11
 """Size of a change over that of the orbit that no further correction would make smaller."""
+STALLED = 1e-8
+"""Size of a change over that of the orbit below which corrections that no longer become smaller are round-off: small
+swings of slender rods leave the round-off of their stretch unbalanced."""
 SMALLEST = 1e-14
 """Size of a change (over the length, or rad) that is round-off."""
 STILL = 1e-12
@@ -99,7 +102,7 @@ class OrbitSolver:
         if fresh or self.jacobian is None or not _same(rows, self.rows):
             known = None if stress is None or self.jacobian is None else Frozen(stress, self.jacobian.linear)
             self.linearise(orbit, balance.moved(orbit, setting, known), rows)
-        renewed, last, floor = fresh, 0.0, orbit_size(balance, orbit)
+        renewed, last, least, floor = fresh, 0.0, np.inf, orbit_size(balance, orbit)
         for iteration in range(1, ITERATIONS + 1):
             assert self.jacobian is not None
             matrix, linear = self.jacobian.matrix, self.jacobian.linear
@@ -127,11 +130,17 @@ class OrbitSolver:
                 if beside > BALANCED * motion.size and not renewed:  # motions that were not driven before
                     self.linearise(orbit, motion, rows)
                     renewed = True
-                elif among <= BALANCED * motion.size or size <= ROUND_OFF * whole + SMALLEST:
+                elif (
+                    among <= BALANCED * motion.size
+                    or size <= ROUND_OFF * whole + SMALLEST
+                    or SLOW * least < size <= STALLED * whole
+                ):
                     return Solved(orbit, motion, iteration)
             if last > 0.0 and size > SLOW * last and iteration > 2:
                 self.linearise(orbit, balance.moved(orbit, setting, Frozen(stress, linear)), rows)
                 size = 0.0
+            else:
+                least = min(least, size)
             last = size
         return None
 

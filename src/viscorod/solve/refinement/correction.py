@@ -9,11 +9,14 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.refinement.finer_mesh import FinerMesh
 from viscorod.solve.statics.newton import Convergence, Outcome
+from viscorod.solve.statics.settling import drag
 from viscorod.typing import Floats
 
-__all__ = ["Balance", "corrected"]
+__all__ = ["Balance", "corrected", "held_back"]
 
 ITERATIONS = 15
+DRAGS = (1e-13, 1e-11, 1e-9)
+"""Parts of the mean stiffness of nodes, which stretching makes, that hold steps back where others fail."""
 STEP = 1e-3
 """Part of the unit of the load factor by which the imbalance is differenced."""
 
@@ -27,6 +30,9 @@ class Balance:
         anchor: stiffness over mass [1/s^2] that keeps every node where the coarse mesh has it: the inertia against
             errors, without which a free motion would be undetermined.
         unit: of the load factor where that follows from the point of a path; None where it is given.
+
+    Attributes:
+        drag: stiffness over mass [1/s^2] that holds steps of the iteration back, and leaves where it converges.
     """
 
     def __init__(
@@ -42,6 +48,12 @@ class Balance:
     ) -> None:
         self.finer, self.t, self.before, self.factor = finer, t, before, factor
         self.inertia, self.anchor, self.unit = inertia, anchor, unit
+        self.drag = 0.0
+
+    @property
+    def at_rest(self) -> bool:
+        """Whether it is that of statics at a given load factor."""
+        return self.inertia is None and self.anchor == 0.0 and self.unit is None
 
     def assemble(self, state: State, moved: Floats, factor: float, *, tangent: bool) -> Floats:
         """Assemble the finer system in a state that ``moved (n, 6)`` from the coarse one; return the imbalance."""
@@ -60,8 +72,33 @@ class Balance:
             if tangent:
                 diagonal = finer.problem.pattern.diagonal[:size]
                 system.matrix.blocks[diagonal] += self.anchor * np.swapaxes(mass, 1, 2)
+        if self.drag and tangent:
+            diagonal = finer.problem.pattern.diagonal[:size]
+            system.matrix.blocks[diagonal] += self.drag * np.swapaxes(drag(finer.static), 1, 2)
         finer.supports.impose(state, residual, system.matrix, tangent=tangent)
         return residual
+
+    def pace(self, state: State) -> float:
+        """Return the mean stiffness over mass [1/s^2] of the nodes of a state."""
+        finer, size = self.finer, self.finer.problem.size
+        self.assemble(state, np.zeros((size, 6)), self.factor, tangent=True)
+        diagonal = finer.problem.pattern.diagonal[:size]
+        stiff = np.abs(np.einsum("nii->ni", finer.system.matrix.blocks[diagonal])[:, :3]).sum()
+        return float(stiff / np.einsum("nii->ni", drag(finer.static))[:, :3].sum())
+
+
+def held_back(balance: Balance, state: State) -> State | None:
+    """Return the same as :func:`corrected` where some motion changes nothing, such as a spin about the own axis.
+
+    The least drag with which the iteration converges holds its steps back; it takes no part in the balance.
+    """
+    pace = balance.pace(state)
+    for part in DRAGS:
+        balance.drag = part * pace
+        found = corrected(balance, state)
+        if found is not None:
+            return found
+    return None
 
 
 def corrected(balance: Balance, state: State) -> State | None:

@@ -15,7 +15,7 @@ from viscorod.solve.formulations.system import System
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.refinement.correction import Balance, corrected
+from viscorod.solve.refinement.correction import Balance, corrected, held_back
 from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
 from viscorod.solve.refinement.half_elements import read
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
@@ -292,6 +292,8 @@ class MeshWatch:
     def _counterpart(self, balance: Balance, carried: Carried, k: int = 0) -> Shape | None:
         """Return what one of some solutions is on the finer mesh, None if it has no counterpart there."""
         other = corrected(balance, self.finer.take_over(carried, k))
+        if other is None and balance.at_rest:
+            other = held_back(balance, self.finer.take_over(carried, k))
         if other is None:
             return None
         return Shape(other, self.finer.system.gauss_points().section_force, carried.shapes[k].near)

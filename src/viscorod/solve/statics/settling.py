@@ -35,7 +35,7 @@ from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Tangent, negative_eigenvalues
 from viscorod.typing import Floats
 
-__all__ = ["Settling", "SettlingReport"]
+__all__ = ["FAR", "Settling", "SettlingReport"]
 
 LARGEST = 0.5
 """Largest step: displacement over the length of the model, or rotation in rad."""
