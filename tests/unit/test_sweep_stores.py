@@ -5,10 +5,13 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
 from helpers.strip import content
 from viscorod.casefile.case import case_from_dict
+from viscorod.cli import sweep_command
+from viscorod.cli.app import app
 from viscorod.results.files import parquet, sweep_store
 from viscorod.results.sweep_result import Sweep
 
@@ -172,3 +175,27 @@ def test_missing_packages_are_one_message(sweep, tmp_path, monkeypatch):
     monkeypatch.setattr(parquet, "import_module", lambda name: (_ for _ in ()).throw(ImportError(name)))
     with pytest.raises(vr.InputError, match=r"pip install 'viscorod\[store\]'"):
         sweep.save(tmp_path / "sweep.parquet")
+
+
+@pytest.mark.parametrize(
+    ("asked", "name"), [([], "sweep.zarr"), (["--quantity", "tip=displacement beam.end y"], "sweep.parquet")]
+)
+def test_the_command_writes_large_sweeps_so(tmp_path, monkeypatch, asked, name):
+    """With whole results a store, with quantities alone a table; members are on disk while it runs."""
+    monkeypatch.setattr(sweep_command, "LARGEST_FILE", 2)
+    path = tmp_path / "strip.toml"
+    path.write_text(case_from_dict(content("equilibrium")).model(vr.Model).to_toml(None, "equilibrium"))
+    widths = [
+        "--set",
+        "rods.beam.section.width=9 mm,10 mm,11 mm",
+        "--workers",
+        "1",
+        "-o",
+        str(tmp_path / "out"),
+    ]
+    done = CliRunner().invoke(app, ["sweep", str(path), *widths, *asked])
+    assert done.exit_code == 0, done.output
+    found = vr.load(tmp_path / "out" / name)
+    assert found.table()["rods.beam.section.width"].tolist() == ["9 mm", "10 mm", "11 mm"]
+    assert (found.members[2].result is None) == bool(asked)
+    assert vr.load(tmp_path / "out" / "sweep").count_completed == 3
