@@ -15,7 +15,7 @@ from viscorod.typing import Integers
 
 __all__ = ["plan_of"]
 
-MOST_BLOCKS = 20_000
+MOST_BLOCKS = 5_000
 """Blocks of a matrix beyond which its plan is not kept: numbers are a small part of the work then."""
 KEPT = 32
 """Plans that are kept, those that were used last."""
