@@ -22,8 +22,9 @@ MOST_ORDER = 12
 """Terms of an autoregression at most."""
 LARGEST = 5.0
 """Largest coordinate of a partial autocorrelation, which is 0.9999."""
-FARTHEST = 4.0
-"""Standard errors by which the restricted likelihood moves one: beside a constant it is flat towards a random walk."""
+FARTHEST = 3.0
+"""Standard errors within which the restricted likelihood must have its maximum: beside a constant it is flat towards a
+random walk, and where the model is wrong it may have none. Burg's autoregression stays then."""
 STEP = 1e-3
 """Change of coordinates by which second differences of the likelihood are taken."""
 
@@ -124,7 +125,8 @@ def restricted_partials(
     reach = FARTHEST / np.sqrt(len(residuals) * (1.0 - np.tanh(start) ** 2))
     low, high = np.maximum(start - reach, -LARGEST), np.minimum(start + reach, LARGEST)
     found = minimize(likelihood, start, method="L-BFGS-B", bounds=list(zip(low, high, strict=True)))
-    best = np.asarray(found.x if found.fun <= likelihood(start) else start)
+    inside = bool((np.abs(found.x - start) < 0.99 * reach).all()) and found.fun <= likelihood(start)
+    best = np.asarray(found.x if inside else start)
     curvature = _second_differences(likelihood, best)
     size, ways = np.linalg.eigh(curvature)
     # a coordinate is known no better than by n independent pairs, and no worse than its range
@@ -133,6 +135,8 @@ def restricted_partials(
     # one step towards Jeffreys' prior, the product of (1 - k_j^2)^(-j/2): what bias of order 1/n is left goes with it
     step = doubt @ (np.arange(1.0, len(best) + 1.0) * np.tanh(best))
     far = float(np.sqrt(step @ np.linalg.solve(doubt, step)))
+    if not inside:
+        return np.tanh(best), doubt
     return np.tanh(np.clip(best + step / max(far, 1.0), -LARGEST, LARGEST)), doubt
 
 

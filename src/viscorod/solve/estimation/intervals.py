@@ -41,6 +41,8 @@ FARTHER, FAR = float(np.log(3.0)), 12
 """Steps in which the end of the interval of such an unknown is sought, and how many."""
 VERY_FAR = float(np.log(1e6))
 """Change of a logarithm, or of a number over its scale, at which a profile that has not risen never will."""
+LEAST_FREEDOM = 2.0
+"""Degrees of freedom below which derivatives of a standard error say nothing of it."""
 COLOUR_STEP = 1e-3
 """Change of coordinates of autocorrelations by which differences are taken."""
 SKEWED = 0.1
@@ -101,7 +103,7 @@ class Covariance:
         for slopes, doubt in self.colours:
             part = np.einsum("i,kij,j->k", gradient, slopes, gradient) / whole
             below += 0.5 * float(part @ doubt @ part)
-        return float(1.0 / below) if below > 0.0 else np.inf
+        return max(float(1.0 / below), LEAST_FREEDOM) if below > 0.0 else np.inf
 
 
 @dataclass(frozen=True)
