@@ -22,18 +22,7 @@ from viscorod.pictures.drawing.paper import ARROW, MOST_NAMES, SIDEWAYS, Paper
 from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import zigzag
 from viscorod.pictures.plots.projection_view import View
-from viscorod.pictures.style import (
-    BLUE,
-    INK,
-    LIGHT,
-    ORANGE,
-    PURPLE,
-    RED,
-    SMALL,
-    TEXT,
-    figure,
-    label_once,
-)
+from viscorod.pictures.style import BLUE, INK, LIGHT, ORANGE, PURPLE, RED, SMALL, figure, headline, label_once
 from viscorod.results.text_numbers import quantity
 from viscorod.solve.problem.discretise import discretise
 from viscorod.typing import Floats
@@ -68,7 +57,7 @@ class _Picture(Paper):
             self.figure = figure(10.0, 6.6)
             self.figure.subplots_adjust(right=0.79)
             if title:
-                self.figure.suptitle(title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+                headline(self.figure, title)
             self.axes = self.figure.add_subplot()
         else:
             self.figure, self.axes = within(ax), ax

@@ -17,10 +17,10 @@ from viscorod.pictures.style import (
     RED,
     SKY,
     SMALL,
-    TEXT,
     clean,
     figure,
     heading,
+    headline,
     legend_above,
 )
 from viscorod.typing import Floats
@@ -127,7 +127,7 @@ def followed_panels(
         if (result.eigenvalues.real > 1e-7 * np.abs(result.eigenvalues)).any():
             heading(below, f"{'above' if growth else 'below'} zero: it grows")
         if result.title:
-            picture.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+            headline(picture, result.title)
     for number, one in enumerate(result.limits):
         for axes in panels:
             axes.axvline(one.at, color=RED, linewidth=1.2, linestyle=(0, (1, 1.5)), zorder=1)

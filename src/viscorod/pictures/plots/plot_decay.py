@@ -7,17 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import (
-    BLUE,
-    GREY,
-    INK,
-    ORANGE,
-    TEXT,
-    clean,
-    figure,
-    heading,
-    legend_above,
-)
+from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, clean, figure, heading, headline, legend_above
 from viscorod.results.text_numbers import scaled
 
 if TYPE_CHECKING:
@@ -36,9 +26,7 @@ def draw_decay(decay: Decay, ax: Axes | None = None) -> Figure:
         ax.set_xlabel("time [s]")
         return within(ax)
     picture = figure(10.0, 8.6)
-    picture.suptitle(
-        f"Free decay{f' of {decay.title}' if decay.title else ''}", fontsize=TEXT + 2.0, x=0.01, ha="left"
-    )
+    headline(picture, f"Free decay{f' of {decay.title}' if decay.title else ''}")
     rows = picture.add_gridspec(2, 1, height_ratios=(1.6, 1.0), hspace=0.32)
     grid = rows[0].subgridspec(2, 1, height_ratios=(2.0, 1.0), hspace=0.12)
     lower = rows[1].subgridspec(1, 2, wspace=0.24)

@@ -18,10 +18,10 @@ from viscorod.pictures.style import (
     RED,
     SKY,
     SMALL,
-    TEXT,
     clean,
     figure,
     heading,
+    headline,
     legend_above,
 )
 from viscorod.results.text_numbers import scaled
@@ -74,7 +74,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
     if ax is None:
         picture = figure(10.0, 6.8)
         if run.title:
-            picture.suptitle(run.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+            headline(picture, run.title)
         picture.subplots_adjust(hspace=0.18)
         upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(2.3, 1.0))
     else:

@@ -7,7 +7,19 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREEN, GREY, INK, ORANGE, RED, SMALL, TEXT, clean, figure, heading
+from viscorod.pictures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    INK,
+    ORANGE,
+    RED,
+    SMALL,
+    clean,
+    figure,
+    heading,
+    headline,
+)
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -48,7 +60,7 @@ def draw_identification(fit: Identification, ax: Axes | None = None) -> Figure:
         hspace=0.62, wspace=0.3, left=0.085, right=0.985, top=1.0 - 0.85 / height, bottom=0.62 / height
     )
     if fit.title:
-        picture.suptitle(fit.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(picture, fit.title)
     panels = picture.subplots(len(listed), 2, squeeze=False, width_ratios=(1.6, 1.0))
     for row, k in zip(panels, listed, strict=True):
         _series(fit, k, row[0], row[1])

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, TEXT, clean, figure, heading, legend_above
+from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, clean, figure, heading, headline, legend_above
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -32,12 +32,7 @@ def draw_fit(fit: KelvinVoigtFit, ax: Axes | None = None) -> Figure:
         ax.set_xlabel("frequency [Hz]")
         return within(ax)
     picture = figure(10.0, 7.2)
-    picture.suptitle(
-        f"Kelvin-Voigt in {fit.strain}, {fit.method.replace('_', ' ')} fit",
-        fontsize=TEXT + 2.0,
-        x=0.01,
-        ha="left",
-    )
+    headline(picture, f"Kelvin-Voigt in {fit.strain}, {fit.method.replace('_', ' ')} fit")
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.7, 1.0))
     _moduli(upper, fit)
     _errors(lower, fit)

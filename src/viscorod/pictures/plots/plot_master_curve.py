@@ -16,6 +16,7 @@ from viscorod.pictures.style import (
     clean,
     figure,
     heading,
+    headline,
     legend_inside,
     time_colours,
 )
@@ -41,7 +42,7 @@ def draw_master_curve(master: MasterCurve, ax: Axes | None = None) -> Figure:
         return within(ax)
     picture = figure(11.0, 8.0)
     title = master.title or "Master curve"
-    picture.suptitle(f"{title}, at {master.reference:.4g} °C", fontsize=TEXT + 2.0, x=0.01, ha="left")
+    headline(picture, f"{title}, at {master.reference:.4g} °C")
     upper, lower = picture.subplots(2, 1, height_ratios=(1.35, 1.0))
     _moduli(upper, data, celsius)
     _shifts(lower, master, data)

@@ -13,10 +13,10 @@ from viscorod.pictures.style import (
     GREY,
     ORANGE,
     PURPLE,
-    TEXT,
     clean,
     figure,
     heading,
+    headline,
     legend_above,
 )
 
@@ -36,7 +36,7 @@ def draw_modal_fit(fit: ModalFit, ax: Axes | None = None) -> Figure:
         ax.set_xlabel("frequency [Hz]")
         return within(ax)
     picture = figure(10.0, 7.2)
-    picture.suptitle(fit.title or "Modes of measured responses", fontsize=TEXT + 2.0, x=0.01, ha="left")
+    headline(picture, fit.title or "Modes of measured responses")
     upper, lower = picture.subplots(2, 1, sharex=True, height_ratios=(1.4, 1.0))
     _responses(upper, fit)
     _ratios(lower, fit)

@@ -8,17 +8,7 @@ import numpy as np
 
 from viscorod.pictures.picture import within
 from viscorod.pictures.plots.plot_shape import draw_shapes
-from viscorod.pictures.style import (
-    BLUE,
-    INK,
-    ORANGE,
-    RED,
-    TEXT,
-    clean,
-    figure,
-    heading,
-    legend_inside,
-)
+from viscorod.pictures.style import BLUE, INK, ORANGE, RED, clean, figure, heading, headline, legend_inside
 from viscorod.results.data_schema import AXES
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
@@ -40,7 +30,7 @@ def draw_path(path: Equilibrium, ax: Axes | None = None) -> Figure:
         return within(ax)
     picture = figure(12.0, 5.6)
     if path.title:
-        picture.suptitle(path.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(picture, path.title)
     curve, shapes = picture.subplots(1, 2)
     _curve(curve, path)
     draw_shapes(shapes, path)

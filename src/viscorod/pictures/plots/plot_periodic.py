@@ -17,10 +17,10 @@ from viscorod.pictures.style import (
     PURPLE,
     RED,
     SKY,
-    TEXT,
     clean,
     figure,
     heading,
+    headline,
     legend_above,
 )
 from viscorod.typing import Floats
@@ -59,7 +59,7 @@ def draw_periodic(result: Periodic, kind: str = "amplitude", ax: Axes | None = N
     if ax is not None:
         return within(ax)
     if result.title:
-        drawn.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(drawn, result.title)
     return drawn
 
 

@@ -22,6 +22,7 @@ from viscorod.pictures.style import (
     clean,
     figure,
     heading,
+    headline,
     legend_above,
 )
 
@@ -56,7 +57,7 @@ def draw_response(result: FrequencyResponse, kind: str = "bode", ax: Axes | None
     if ax is not None:
         return within(ax)
     if result.title:
-        drawn.suptitle(result.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(drawn, result.title)
     return drawn
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from viscorod.pictures.picture import within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, draw_reference, mark_supports
-from viscorod.pictures.style import BLUE, SKY, TEXT, figure, legend_over
+from viscorod.pictures.style import BLUE, SKY, figure, headline, legend_over
 from viscorod.results.reports.report_parts import load_level
 
 if TYPE_CHECKING:
@@ -27,7 +27,7 @@ def draw_shape(equilibrium: Equilibrium | Steady, ax: Axes | None = None) -> Fig
         return within(ax)
     picture = figure(8.0, 6.4)
     if equilibrium.title:
-        picture.suptitle(equilibrium.title, fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(picture, equilibrium.title)
     draw_shapes(picture.add_subplot(), equilibrium)
     return picture
 

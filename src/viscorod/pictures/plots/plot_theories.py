@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREEN, INK, ORANGE, TEXT, clean, figure, heading, legend_above
+from viscorod.pictures.style import BLUE, GREEN, INK, ORANGE, clean, figure, heading, headline, legend_above
 from viscorod.results.text_numbers import quantity
 
 if TYPE_CHECKING:
@@ -33,7 +33,7 @@ def draw_theories(found: TheoryComparison, ax: Axes | None = None) -> Figure:
     rows = 3 if moving else 2
     if ax is None:
         picture = figure(10.0, 3.2 * rows)
-        picture.suptitle(found.sentence.partition(":")[0], fontsize=TEXT + 2.0, x=0.01, ha="left")
+        headline(picture, found.sentence.partition(":")[0])
         axes = list(picture.subplots(rows, 1))
     else:
         axes = [ax]
