@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -15,6 +15,7 @@ from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.analyses.modal_reduction import reduced_makers, told_of_modes
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.start_state import StartState
+from viscorod.analyses.start_velocities import blow_at_start
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
@@ -249,8 +250,7 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     if settings.start is not None:
         found = StartState(discrete, settings.start)
         state, text = found.state, found.label
-        told = json.loads(discrete.attributes.get("doubts", "[]"))  # once, also if a finer mesh begins anew
-        discrete.attributes["doubts"] = json.dumps(list(dict.fromkeys([*told, *found.notes])))
+        _note(discrete, found.notes)
         _require_reached(discrete, state)
     elif discrete.problem.initial_strain:
         discrete.system.given_strain = strain_rods(discrete.system, state)
@@ -263,6 +263,8 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     given = discrete.problem.initial_twist(state.r, state.q)
     if settings.start is None:
         state.twist[:] = given
+        if given.any():
+            _note(discrete, blow_at_start(discrete.system, discrete.supports, state), show=True)
     elif given.any():
         raise InputError(
             "velocities: the motion starts with the velocities of an earlier result; leave the initial velocities out, "
@@ -273,6 +275,15 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     if discrete.problem.relaxing and settings.dynamics == "nonlinear":
         announce_formulation(remember)
     return state, text
+
+
+def _note(discrete: DiscreteModel, doubts: Sequence[str], *, show: bool = False) -> None:
+    """Keep doubts about a start for the result, and ``show`` them: once, also if a finer mesh begins anew."""
+    told = json.loads(discrete.attributes.get("doubts", "[]"))
+    new = [doubt for doubt in doubts if doubt not in told]
+    for doubt in new if show else ():
+        warn(doubt)
+    discrete.attributes["doubts"] = json.dumps([*told, *new])
 
 
 def _require_reached(discrete: DiscreteModel, state: State) -> None:
