@@ -17,7 +17,9 @@ PAGE = ROOT / "docs" / "explanation" / "damping_over_frequency.md"
 
 @pytest.fixture(scope="module", autouse=True)
 def loaded():
-    _spec.loader.exec_module(figure)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(str(ROOT / "docs" / "figures"))  # scripts share how pictures look
+        _spec.loader.exec_module(figure)
 
 
 def row(title, name):

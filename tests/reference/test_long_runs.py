@@ -214,7 +214,7 @@ def test_half_a_record_is_not_read(tmp_path, eager):
 
 def test_full_disk_keeps_what_there_is(tmp_path, eager, monkeypatch):
     """What was written before the disk was full can be read."""
-    model, given = RUNS["radau"]()
+    model, given = RUNS["generalised-alpha"]()
     append, calls = Journal.append, iter(range(5))
 
     def failing(self, data):
@@ -227,7 +227,9 @@ def test_full_disk_keeps_what_there_is(tmp_path, eager, monkeypatch):
         model.simulate(**given, folder=tmp_path)
     monkeypatch.undo()
     assert contents(tmp_path / FOLDER).sizes["time"] > 4
-    assert difference(model.simulate(**given, folder=tmp_path, resume=True), whole("radau")) == 0.0
+    assert (
+        difference(model.simulate(**given, folder=tmp_path, resume=True), whole("generalised-alpha")) == 0.0
+    )
 
 
 def test_another_model_is_refused(tmp_path, eager):

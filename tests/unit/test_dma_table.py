@@ -119,7 +119,7 @@ def test_names_tell_the_strain(tmp_path, storage, strain):
             "line 1 names two columns for the same: E' .* and G'",
         ),
         (PLAIN.replace("1.5", "low"), "line 3: the storage is not usable; give a number > 0"),
-        (PLAIN.replace("0.3", "none"), "'none': line 3: the loss is not usable"),
+        (PLAIN.replace("0.3", "little"), "'little': line 3: the loss is not usable"),
         (PLAIN.replace("1, 1.5, 0.3", "1, 1.5"), "line 3 has 2 cells, and line 1 names 3"),
         (PLAIN + "1, 1.9, 0.3\n", "one frequency has different storage moduli.*keep one sweep"),
         (PLAIN.splitlines()[0], "no numbers below"),

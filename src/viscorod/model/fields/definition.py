@@ -395,7 +395,8 @@ def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) 
             Fault(cls.__name__, f"{len(args)} positional arguments", f"at most {len(names)} are understood",
                     f"give them in the order {', '.join(names) or '(none)'} or by name")
         )  # fmt: skip
-    if isinstance(args[0], str) and "file" in cls.model_fields and not looks_like_quantity(args[0]):
+    by_name = "file" in cls.model_fields and names[0] != "file"
+    if by_name and isinstance(args[0], str) and not looks_like_quantity(args[0]):
         raise InputError(
             Fault(
                 f"{cls.__name__}.{names[0]}",

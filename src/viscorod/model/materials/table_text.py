@@ -21,25 +21,20 @@ _BINARY = {
     b"{\\rtf": "a document (.rtf)",
     b"\x89HDF": "an HDF5 file",
 }
-MISSING = (
-    *(
-        "",
-        "-",
-        "--",
-        "---",
-        "n.a.",
-        "n/a",
-        "na",
-        "#n/a",
-        "nan",
-        "nan()",
-        "#nv",
-        "#value!",
-        "#num!",
-        "#div/0!",
-    ),
-    *("*", "****", "null", "none", "1.#qnan", "-1.#qnan", "1.#ind", "-1.#ind", "<na>", "missing"),
+_NONE = ("-", "--", "---", "*", "****", "n.a.", "n/a", "na", "<na>", "#n/a", "none", "null", "missing")
+_NO_NUMBER = (
+    "nan",
+    "nan()",
+    "#nv",
+    "#value!",
+    "#num!",
+    "#div/0!",
+    "1.#qnan",
+    "-1.#qnan",
+    "1.#ind",
+    "-1.#ind",
 )
+MISSING = ("", *_NONE, *_NO_NUMBER)
 """Cells, in small letters, that say that a point was not measured."""
 
 

@@ -196,9 +196,12 @@ def _squared_forces(problem: Problem, start: State, fields: Floats) -> Floats:
     elements, still = system.elements(), np.zeros((problem.size, 6, 6))
     operators, stress = Operators.of(elements), np.zeros(elements.reference.shape)
     system.linearise(start, still, stress, operators, *np.zeros((2, len(problem.pattern.rows), 6, 6)))
-    moved = fields.T.reshape(-1, problem.size, 6)[:, elements.nodes]
-    forces = np.einsum("erc,kec->ker", operators.force, moved.reshape(*moved.shape[:2], -1))
-    return np.asarray(np.square(forces.reshape(len(forces), -1, 6)[:, system.gauss_indices()]))
+    moved = fields.T.reshape(-1, problem.size, 6)[:, elements.nodes]  # (j, elements, nodes of each, 6)
+    j, count, nodes, _ = moved.shape  # a rod all of whose strains are held has no such motion
+    forces = np.einsum("erc,kec->ker", operators.force, moved.reshape(j, count, 6 * nodes))
+    return np.asarray(
+        np.square(forces.reshape(j, forces.shape[1] * forces.shape[2] // 6, 6)[:, system.gauss_indices()])
+    )
 
 
 def _largest_forces(squares: Floats) -> Floats:
