@@ -227,6 +227,7 @@ def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str])
     def stopped() -> bool:
         return bool(cells[len(cells) - 1])
 
+    frozen = False
     while True:
         try:
             number, job = connection.recv()
@@ -237,8 +238,9 @@ def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str])
             cells[number] = part
 
         result = UNTOUCHED if stopped() else work(job, tell, stopped)
-        if not gc.get_freeze_count():  # what the first member has loaded stays
-            gc.freeze()
+        if not frozen:
+            gc.freeze()  # what the first member has loaded stays; to count what is frozen takes as long as a member
+            frozen = True
         try:
             connection.send((number, result))
         except OSError:
