@@ -80,6 +80,26 @@ def value_of(run, weights):
     return sum(float(np.vdot(by, run.data[name].values)) for name, by in weights.items())
 
 
+def require_gradient(model, keys, stations, seed=0, **given):
+    """Ask that the adjoint of a random scalar is the sum of derivatives by neighbours; return the run with these."""
+    seen = {}
+
+    def scalar(run):
+        weights = seen.setdefault("weights", random_weights(run, stations, seed))
+        return value_of(run, weights), weights
+
+    function = model.value_and_gradient(keys, scalar, adjoint=True, **given)
+    value, gradient = function(function.values)
+    assert function.way == "adjoint"
+    run = model.simulate(**given, derivatives=keys)
+    assert value == pytest.approx(value_of(run, seen["weights"]), rel=1e-12)
+    for key, found in zip(keys, gradient, strict=True):
+        parts = [seen["weights"][name] * run.derivatives[key].data[name].values for name in STORED]
+        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
+        assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
+    return run
+
+
 DAMPING = "materials.rubber.damping."
 
 
@@ -108,24 +128,7 @@ def test_a_swing_obeys_the_similarity_of_linear_viscosity(times):
 
 def test_the_adjoint_is_what_neighbours_say():
     """Neighbours of the model through the same steps: by numbers of every kind, of all that is stored."""
-    model, seen = machine(), {}
-
-    def scalar(run):
-        weights = seen.setdefault("weights", random_weights(run, [2, 9, -1, -2]))
-        return value_of(run, weights), weights
-
-    given = {"duration": 0.12, "output_interval": 0.01}
-    function = model.value_and_gradient(KEYS, scalar, adjoint=True, **given)
-    value, gradient = function(function.values)
-    assert function.way == "adjoint"
-    run = model.simulate(**given, derivatives=KEYS)
-    assert value == pytest.approx(value_of(run, seen["weights"]), rel=1e-12)
-    for key, found in zip(KEYS, gradient, strict=True):
-        data = run.derivatives[key].data
-        parts = [seen["weights"][name] * data[name].values for name in STORED]
-        expected = sum(float(part.sum()) for part in parts)
-        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
-        assert abs(found - expected) < 1e-6 * size, key
+    require_gradient(machine(), KEYS, [2, 9, -1, -2], duration=0.12, output_interval=0.01)
 
 
 def test_a_start_with_velocities_changes_by_them():
@@ -137,22 +140,9 @@ def test_a_start_with_velocities_changes_by_them():
     free.velocity("beam", linear=(0.1, 0.0, 0.2), angular=(0.0, 3.0, 5.0), point=(0.1, 0, 0))
     keys = [E, "velocities[0].angular[2]", "velocities[0].point[0]", "rods.beam.end[0]"]
     given = {"duration": 0.1, "output_interval": 0.03, "tolerance": 1e-6}
-    seen = {}
-
-    def scalar(run):
-        weights = seen.setdefault("weights", random_weights(run, [0, -1], seed=3))
-        return value_of(run, weights), weights
-
-    function = free.value_and_gradient(keys, scalar, adjoint=True, **given)
-    _, gradient = function(function.values)
-    assert function.way == "adjoint"
-    run = free.simulate(**given, derivatives=keys)
+    run = require_gradient(free, keys, [0, -1], seed=3, **given)
     start = run.derivatives["rods.beam.end[0]"].data.position.values[0]
     np.testing.assert_allclose(start[[0, -1]], [(0, 0, 0), (1, 0, 0)], atol=1e-9)
-    for key, found in zip(keys, gradient, strict=True):
-        parts = [seen["weights"][name] * run.derivatives[key].data[name].values for name in STORED]
-        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
-        assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
 
 
 def viscoelastic():
@@ -168,24 +158,11 @@ def viscoelastic():
 
 def test_maxwell_branches_have_an_adjoint():
     """Neighbours of the model: by moduli, by what only the start sees, over a jump of a load."""
-    model, seen = viscoelastic(), {}
+    model = viscoelastic()
     model.force("beam@0.15", (0.0, 0.0, 0.05), until=0.05)
     keys = [E, "materials.rubber.density", "rods.beam.section.width", "rest_strains[0].value[3]"]
     keys += ["loads[0].value[1]", "loads[1].value[2]"]
-
-    def scalar(run):
-        weights = seen.setdefault("weights", random_weights(run, [4, -1]))
-        return value_of(run, weights), weights
-
-    given = {"duration": 0.12, "output_interval": 0.02}
-    function = model.value_and_gradient(keys, scalar, adjoint=True, **given)
-    _, gradient = function(function.values)
-    assert function.way == "adjoint"
-    run = model.simulate(**given, derivatives=keys)
-    for key, found in zip(keys, gradient, strict=True):
-        parts = [seen["weights"][name] * run.derivatives[key].data[name].values for name in STORED]
-        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
-        assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
+    require_gradient(model, keys, [4, -1], duration=0.12, output_interval=0.02)
 
 
 @pytest.mark.parametrize("seed", range(6))
@@ -218,20 +195,7 @@ def test_random_models_have_the_gradient_of_neighbours(seed):
         keys.append("rest_strains[0].value[3]")
     if rng.random() < 0.5:
         model.spring("beam.end", "ground", stiffness={"ux": 30.0 * size, "uy": 20.0 * size})
-    given, seen = {"duration": 0.06, "output_interval": 0.013}, {}
-
-    def scalar(run):
-        weights = seen.setdefault("weights", random_weights(run, [1, -1], seed=seed))
-        return value_of(run, weights), weights
-
-    function = model.value_and_gradient(keys, scalar, adjoint=True, **given)
-    _, gradient = function(function.values)
-    assert function.way == "adjoint"
-    run = model.simulate(**given, derivatives=keys)
-    for key, found in zip(keys, gradient, strict=True):
-        parts = [seen["weights"][name] * run.derivatives[key].data[name].values for name in STORED]
-        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
-        assert abs(found - sum(float(part.sum()) for part in parts)) < 1e-6 * size, key
+    require_gradient(model, keys, [1, -1], seed=seed, duration=0.06, output_interval=0.013)
 
 
 @pytest.mark.parametrize("part", ["joint", "place", "integrator"])

@@ -610,6 +610,18 @@ def test_a_run_whose_disk_is_full_goes_on_when_there_is_room(tmp_path, part):
     assert runs.differences(runs.gone_on(tmp_path / "run")) == set()
 
 
+def test_a_short_run_whose_disk_is_full_is_to_be_computed_again(tmp_path, monkeypatch):
+    """Contract: what has no journal yet is not said to be kept; what was there stays, a stopped run too."""
+    monkeypatch.setattr(streaming, "FLUSH", 1e9)
+    monkeypatch.setattr(streaming, "CHECKPOINT", 1e9)
+    (tmp_path / "run.nc").write_bytes(b"an earlier one")
+    told = on_a_full_disk(20_000, tmp_path, lambda path: runs.swing().simulate(**runs.GIVEN, folder=path))
+    assert "cannot be written" in told
+    assert "compute it again" in told
+    assert "memory" not in told
+    assert {path.name: path.read_bytes() for path in tmp_path.iterdir()} == {"run.nc": b"an earlier one"}
+
+
 SMALL_DISK = """
 import sys, warnings
 from pathlib import Path

@@ -226,8 +226,15 @@ class JournalStream(Stream):
             ) from None
 
     def write(self, data: xr.Dataset) -> Path:
-        """Make ``run.nc`` of all states, none of which has gone to the journal; a stopped run there is removed then."""
-        place = write(data, self.folder / "run.nc")
+        """Make ``run.nc`` of all states, none of which has gone to the journal; a stopped run there is removed then.
+
+        Raises:
+            InputError: it cannot be written.
+        """
+        advice = (
+            "make room, or name another folder, and compute it again: no state of a run this short is kept"
+        )
+        place = write(data, self.folder / "run.nc", instead=advice)
         self.journal.remove()
         return place
 
