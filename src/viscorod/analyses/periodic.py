@@ -21,7 +21,9 @@ from viscorod.solve.periodic.continuation import UNSTABLE, Continuation, OrbitPo
 from viscorod.solve.periodic.drive import Drive
 from viscorod.solve.periodic.fourier import Fourier
 from viscorod.solve.periodic.more_harmonics import multipliers_with_more_harmonics
-from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit import Motion, Orbit, Setting
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
+from viscorod.solve.periodic.orbit_energy import losses, put_in, unit_powers
 from viscorod.solve.periodic.orbit_outputs import OrbitOutputs
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.settings.signals import LoadInput
@@ -190,13 +192,13 @@ class Record:
             multipliers = np.zeros(0, dtype=complex)
         values = np.full(KEPT, np.nan, dtype=complex)
         values[: len(multipliers)] = multipliers[:KEPT]
-        rates = fourier.coefficients(balance.unit_powers(motion))
+        rates = fourier.coefficients(unit_powers(balance, motion))
         order = np.arange(fourier.harmonics + 1)[:, None]
         conjugate = np.where(order > 0, rates / np.maximum(1j * setting.omega * order, 1j * 1e-300), 0.0)
         squares = np.abs(fourier.coefficients(orbit.X)) ** 2
         squares[..., :3] /= balance.problem.length**2
         harmonics = squares.sum(axis=(1, 2))[1:]
-        loss = period * float(balance.losses(motion).mean())
+        loss = period * float(losses(balance, motion).mean())
         kinetic = 0.5 * np.einsum("pki,kij,pkj->p", motion.twist, balance.body.mass, motion.twist).mean()
         self.points.append(
             {
@@ -205,7 +207,7 @@ class Record:
                 "coefficient": fourier.coefficients(self.outputs.read(motion)),
                 "drive": balance.drive.phasors(setting.omega, setting.level),
                 "conjugate": conjugate,
-                "work": period * float(balance.put_in(motion).mean()),
+                "work": period * float(put_in(balance, motion).mean()),
                 "loss": loss,
                 "damping_ratio": loss / (8.0 * np.pi * max(float(kinetic), 1e-300)),
                 "multiplier": values,

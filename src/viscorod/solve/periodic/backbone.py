@@ -13,7 +13,8 @@ from collections.abc import Callable, Iterator
 import numpy as np
 
 from viscorod.errors import SolveError
-from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit import Motion, Orbit, Setting
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_matrix import coupled_motions
 from viscorod.solve.periodic.orbit_solver import OrbitSolver, Solved
 from viscorod.typing import Floats

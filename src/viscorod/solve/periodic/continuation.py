@@ -15,7 +15,8 @@ import numpy as np
 
 from viscorod.errors import SolveError
 from viscorod.solve.periodic.floquet import multipliers
-from viscorod.solve.periodic.orbit_balance import Motion, Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit import Motion, Orbit, Setting
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_matrix import OrbitMatrix
 from viscorod.solve.periodic.orbit_solver import OrbitSolver, Solved, orbit_size
 from viscorod.typing import Floats
@@ -208,7 +209,7 @@ class Continuation:
         setting = point.setting._replace(**{self.parameter.of: point.value + value})
         if not setting.omega > 0.0:
             return None
-        stress = self.balance.carried(
+        stress = self.balance.sections.carried(
             point.motion.points.section_force, jacobian.linear, change, point.setting.omega
         )
         found = self.solver.solve(orbit, setting, self._last_row, stress=stress)

@@ -18,7 +18,8 @@ from scipy import linalg
 from viscorod.errors import Fault, InputError
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.periodic.floquet_kernels import fill_steps
-from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
+from viscorod.solve.periodic.orbit import Linearised
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_matrix import strains_of_nodes, whole_matrix
 from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.typing import Floats, Integers

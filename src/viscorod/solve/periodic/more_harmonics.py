@@ -6,7 +6,8 @@ import numpy as np
 
 from viscorod.solve.periodic.floquet import multipliers
 from viscorod.solve.periodic.fourier import Fourier
-from viscorod.solve.periodic.orbit_balance import Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit import Orbit, Setting
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_solver import OrbitSolver
 
 __all__ = ["multipliers_with_more_harmonics"]

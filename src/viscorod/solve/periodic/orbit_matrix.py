@@ -17,7 +17,8 @@ from scipy.sparse.csgraph import connected_components
 
 from viscorod.solve.linear.matrix import unit_of
 from viscorod.solve.linear.sparse_lu import SparseLU
-from viscorod.solve.periodic.orbit_balance import Linearised, OrbitBalance
+from viscorod.solve.periodic.orbit import Linearised
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_kernels import add_orbit_blocks
 from viscorod.typing import Floats, Integers
 
@@ -157,7 +158,7 @@ class OrbitMatrix:
         assert memory is not None
         inside = [np.flatnonzero(part < size) for part in (rows, columns)]
         found = np.zeros((len(rows), self._count, len(columns), self._count))
-        responses = balance.responses(omega)
+        responses = balance.sections.responses(omega)
         whole = strains_of_nodes(balance, B)
         left = project_rows(balance, self._Z, whole)[:, :, rows[inside[0]]]
         right = whole[:, :, columns[inside[1]]]
@@ -212,7 +213,7 @@ class OrbitMatrix:
         balance, pattern, count = self.balance, self.balance.problem.pattern, self._count
         elements, memory, supports = balance.elements, balance.system.relaxation, balance.supports
         assert memory is not None
-        responses = balance.responses(omega)
+        responses = balance.sections.responses(omega)
         slots = {pair: k for k, pair in enumerate(zip(pattern.rows, pattern.columns, strict=True))}
         partial = {int(supports.set.nodes[k]): number for number, k in enumerate(supports.partial)}
         for e, order in enumerate(elements.order.tolist()):

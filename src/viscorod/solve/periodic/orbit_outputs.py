@@ -9,7 +9,8 @@ import numpy as np
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
 from viscorod.solve.history import StationReader
 from viscorod.solve.linear_systems.readings import Reading, gauss_points_at, supported_node
-from viscorod.solve.periodic.orbit_balance import Motion, OrbitBalance
+from viscorod.solve.periodic.orbit import Motion
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats, Integers
 

@@ -7,7 +7,8 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.solve.periodic.orbit_balance import Frozen, Linearised, Motion, Orbit, OrbitBalance, Setting
+from viscorod.solve.periodic.orbit import Frozen, Linearised, Motion, Orbit, Setting
+from viscorod.solve.periodic.orbit_balance import OrbitBalance
 from viscorod.solve.periodic.orbit_matrix import OrbitMatrix, coupled_motions
 from viscorod.typing import Floats, Integers
 
@@ -117,7 +118,7 @@ class OrbitSolver:
                 return None
             change = matrix.increments(matrix.whole(own), motion.residual)
             orbit = balance.added(orbit, change)
-            stress = balance.carried(motion.points.section_force, linear, change, setting.omega)
+            stress = balance.sections.carried(motion.points.section_force, linear, change, setting.omega)
             setting = moved_setting(setting, self.unknown, parameters)
             if not setting.omega > 0.0 or np.abs(orbit.X[..., 3:]).max() > TURNED:
                 return None
