@@ -14,12 +14,9 @@ import viscorod as vr
 from viscorod.analyses.check import check
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.pictures.plots.projection_view import Curves
-from viscorod.solve.constraints.rigid_motions import (
-    free_motions,
-    jointed_parts,
-    undetermined,
-    undetermined_of_many,
-)
+from viscorod.solve.constraints.parts import jointed_parts
+from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.constraints.undetermined_motions import undetermined, undetermined_of_many
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.modes import undamped

@@ -19,7 +19,8 @@ from viscorod.model.rod import Rod
 from viscorod.results.damping_validity import QUICK
 from viscorod.results.reports.check_report import CheckReport
 from viscorod.results.validity import SLENDER, SMALL_STRAIN, Condition, Validity, unknown_width
-from viscorod.solve.constraints.rigid_motions import free_motions, many_parts
+from viscorod.solve.constraints.parts import many_parts
+from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
 from viscorod.solve.problem.problem import Problem

@@ -25,15 +25,12 @@ from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.result_places import ResultPlace, ResultPlaces
+from viscorod.solve.constraints.free_motion import FreeMotion
+from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.constraints.redundancy import require_independent
-from viscorod.solve.constraints.rigid_motions import (
-    FreeMotion,
-    free_motions,
-    many_parts,
-    undetermined,
-    undetermined_of_many,
-)
+from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.constraints.undetermined_motions import undetermined, undetermined_of_many
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History

@@ -7,7 +7,9 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
 from viscorod.analyses.discrete import DiscreteModel, named, unheld
-from viscorod.solve.constraints.rigid_motions import FreeMotion, free_motions, many_parts
+from viscorod.solve.constraints.free_motion import FreeMotion
+from viscorod.solve.constraints.parts import many_parts
+from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.statics.settling import FAR, Settling, SettlingReport

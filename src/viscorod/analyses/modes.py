@@ -9,7 +9,7 @@ from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilib
 from viscorod.analyses.start_state import StartState, require_still
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
-from viscorod.solve.constraints.rigid_motions import many_parts
+from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot

@@ -1,4 +1,4 @@
-"""Adjoint maps of twists, and the exponential maps as their power series, for any number of nodes at once."""
+"""Adjoint maps of rotations and twists, and exponential maps as their power series, for any number of nodes at once."""
 
 from __future__ import annotations
 
@@ -6,10 +6,18 @@ import numpy as np
 
 from viscorod.typing import Floats
 
-__all__ = ["adjoint_map", "series_of_exponential"]
+__all__ = ["adjoint_map", "series_of_exponential", "skew"]
 
 TERMS = 30
 """Of the series: the next one is below round-off for rotations of 3 rad."""
+
+
+def skew(a: Floats) -> Floats:
+    """Return ``[a]x`` of vectors ``(..., 3)`` as matrices ``(..., 3, 3)``."""
+    out = np.zeros((*a.shape[:-1], 3, 3))
+    out[..., 0, 1], out[..., 0, 2], out[..., 1, 2] = -a[..., 2], a[..., 1], -a[..., 0]
+    out[..., 1, 0], out[..., 2, 0], out[..., 2, 1] = a[..., 2], -a[..., 1], a[..., 0]
+    return out
 
 
 def adjoint_map(x: Floats) -> Floats:

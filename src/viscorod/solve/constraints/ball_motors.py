@@ -11,8 +11,8 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.joints.joint_coordinates import AT_Q_A, ROTATION
+from viscorod.mechanics.rotations.adjoint_maps import skew
 from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
-from viscorod.solve.constraints.rigid_motions import skew
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.typing import Floats, Integers
 

@@ -9,7 +9,8 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.model.sections.stiffness_section import STRAINS
-from viscorod.solve.constraints.rigid_motions import many_parts, rigid_share
+from viscorod.solve.constraints.parts import many_parts
+from viscorod.solve.constraints.rigid_motions import rigid_share
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.modes.damped import CLOSE
 from viscorod.solve.modes.linearisation import Linearisation

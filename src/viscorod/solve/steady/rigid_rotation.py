@@ -7,8 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
+from viscorod.mechanics.rotations.adjoint_maps import skew
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.solve.constraints.rigid_motions import skew
 from viscorod.solve.formulations.system import State
 from viscorod.typing import Floats
 

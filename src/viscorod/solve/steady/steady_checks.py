@@ -8,12 +8,13 @@ from enum import Enum
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.mechanics.rotations.adjoint_maps import skew
 from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.load_effects import CompiledLaw, MotionLaw
 from viscorod.model.actions.time_function import Constant
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.constraints.rigid_motions import free_motions, skew
+from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.checks import unfit_for_steady

@@ -14,7 +14,7 @@ from viscorod.mechanics.elements.section_laws import (
     FORCE,
 )
 from viscorod.mechanics.nodes.attached_poses import link_map
-from viscorod.solve.constraints.rigid_motions import skew
+from viscorod.mechanics.rotations.adjoint_maps import skew
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.typing import Floats
 
