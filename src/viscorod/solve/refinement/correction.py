@@ -8,8 +8,8 @@ from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.solve.statics.drag_flow import drag
 from viscorod.solve.statics.newton import Convergence, Outcome
-from viscorod.solve.statics.settling import drag
 from viscorod.typing import Floats
 
 __all__ = ["Balance", "corrected", "held_back"]
