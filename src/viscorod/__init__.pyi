@@ -16,6 +16,7 @@ from .model.actions.drag import Drag as Drag
 from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
+from .model.actions.time_table import FunctionOfTime as FunctionOfTime
 from .model.actions.initial_strain import InitialStrain as InitialStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce
@@ -31,7 +32,6 @@ from .model.actions.time_function import Sine as Sine
 from .model.actions.time_function import SmoothRamp as SmoothRamp
 from .model.actions.time_function import SpinUp as SpinUp
 from .model.actions.time_function import Until as Until
-from .model.actions.time_table import FunctionOfTime as FunctionOfTime
 from .model.actions.time_table import TimeTable as TimeTable
 from .model.bodies.body import Body as Body
 from .model.bodies.body_shapes import Box as Box
@@ -103,6 +103,7 @@ from .results.decrement import Decrement as Decrement
 from .results.derivative import Derivative as Derivative
 from .results.energy import Energy as Energy
 from .results.ensemble import Ensemble as Ensemble
+from .results.equilibrium_result import Equilibrium as Equilibrium
 from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting
@@ -119,7 +120,6 @@ from .results.modes_result import Modes as Modes
 from .results.periodic import Periodic as Periodic
 from .results.reduced_system import ReducedSystem as ReducedSystem
 from .results.resonances import Resonance as Resonance
-from .results.run import Equilibrium as Equilibrium
 from .results.run import Run as Run
 from .results.stability_result import Stability as Stability
 from .results.state_matrices import StateMatrices as StateMatrices

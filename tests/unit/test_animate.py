@@ -12,7 +12,8 @@ from helpers.plain_text import flat
 from helpers.synthetic_results import oscillator, rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.pictures.animation import Film, Pace, write_film
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 
 
 @pytest.mark.parametrize(

@@ -19,9 +19,10 @@ from helpers.synthetic_results import rolled_up, swing
 from viscorod.analyses.progress import reporting
 from viscorod.casefile.shipped import shipped_case
 from viscorod.cli.app import app
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.reports.check_report import CheckReport
 from viscorod.results.result_numbers import numbers_of, plain
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 from viscorod.results.validity import Condition, Validity
 from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings

@@ -14,8 +14,9 @@ from helpers.synthetic_results import LENGTH as ARC
 from helpers.synthetic_results import rolled_up, swing
 from viscorod.cli.app import app
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files import csv_text
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 
 
 @pytest.fixture

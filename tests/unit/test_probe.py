@@ -16,8 +16,9 @@ from viscorod.casefile.shipped import shipped_cases
 from viscorod.mechanics.elements.basis import gauss, lobatto
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.results.between_records import Instants, step_ends
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files import storage
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 
 RNG = np.random.default_rng(5)
 

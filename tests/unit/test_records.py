@@ -8,7 +8,8 @@ import viscorod as vr
 from helpers.synthetic_results import LENGTH, oscillator, rolled_up, swing
 from viscorod.records.other_files import columns_of
 from viscorod.records.record_table import record_of
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 
 ZETA, OMEGA, AMPLITUDE, REST = 0.05, 3.6, 0.2, 0.03
 SAMPLES = np.arange(0.0, 9.0, 0.17)

@@ -17,7 +17,8 @@ from viscorod.pictures.plots.plot_phase import draw_phase
 from viscorod.pictures.plots.plot_strain import draw_space_time, draw_strain
 from viscorod.results.array_pieces import extremes, largest
 from viscorod.results.components import chosen_component
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 from viscorod.solve.modes.vibrations import Modes
 
 

@@ -10,7 +10,8 @@ from viscorod.pictures.plots.plot_energy import draw_energy
 from viscorod.pictures.plots.plot_motion import draw_motion
 from viscorod.pictures.plots.plot_shape import draw_shape
 from viscorod.pictures.plots.projection_view import View
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 from viscorod.results.text_numbers import scaled
 
 

@@ -8,9 +8,10 @@ import pytest
 import viscorod as vr
 from helpers.plain_text import flat
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.reports.report_parts import load_level
 from viscorod.results.result_warnings import warnings_of
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 
 
 def test_run_report_says_what_the_user_asks():

@@ -10,7 +10,8 @@ import xarray as xr
 import viscorod as vr
 from helpers.synthetic_results import LENGTH, oscillator, rolled_up, swing
 from viscorod.pictures.plots.plot_motion import draw_motion
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 
 
 @pytest.fixture(params=["fresh", "loaded"])

@@ -17,7 +17,8 @@ from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweeps import member_work
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 from viscorod.results.told_members import told_members
 
 SWING = """

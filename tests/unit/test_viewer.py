@@ -20,7 +20,8 @@ from viscorod.errors import InputError
 from viscorod.pictures.viewer import view
 from viscorod.pictures.viewer.frames import Frames
 from viscorod.pictures.viewer.packing import LEVELS
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 from viscorod.results.sweep_result import Sweep
 
 

@@ -10,7 +10,8 @@ import viscorod as vr
 from helpers import chromium, synthetic_results, viewer_pages
 from helpers.viewer_pages import EVIL
 from viscorod.pictures.viewer import view
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 
 pytestmark = pytest.mark.skipif(
     chromium.find() is None, reason=f"no browser: none of {', '.join(chromium.NAMES)} is on the PATH"

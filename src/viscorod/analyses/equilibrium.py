@@ -12,7 +12,7 @@ from viscorod.analyses.equilibrium_search import Search
 from viscorod.analyses.start_state import StartState
 from viscorod.analyses.static_stages import stages_of
 from viscorod.errors import Fault, InputError, SolveError
-from viscorod.results.run import Equilibrium
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot

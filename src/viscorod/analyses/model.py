@@ -33,11 +33,12 @@ if TYPE_CHECKING:
     from viscorod.analyses.derivatives.value_and_gradient import ValueAndGradient
     from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.linear_system import LinearSystem
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
-    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.run import Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
     from viscorod.results.theory_comparison import TheoryComparison

@@ -12,7 +12,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
-from viscorod.results.run import Equilibrium
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader

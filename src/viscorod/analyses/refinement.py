@@ -15,13 +15,14 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
 from viscorod.errors import InputError, SolveError, last_warnings
 from viscorod.results.buckling import Buckling
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files.folder_lock import claimed
 from viscorod.results.files.journal import FOLDER, about
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic
 from viscorod.results.result import Result
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import linearise, natural_frequencies

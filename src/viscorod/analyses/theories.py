@@ -9,7 +9,8 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium, find_initial_equilibrium
 from viscorod.analyses.motion import motion
 from viscorod.errors import Fault, InputError
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.run import Run
 from viscorod.results.theory_comparison import TheoryComparison, TheorySolution
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import linearise

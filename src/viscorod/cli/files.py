@@ -14,8 +14,9 @@ if TYPE_CHECKING:
     from viscorod.model.rod import Rod
     from viscorod.results.any_result import AnyResult
     from viscorod.results.buckling import Buckling
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.results.modes_result import Modes
-    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.run import Run
     from viscorod.results.steady_result import Steady
 
 __all__ = ["existing", "motion", "opened", "picture_at", "rod_of", "writable"]

@@ -11,13 +11,14 @@ if TYPE_CHECKING:
     from viscorod.results.buckling import Buckling
     from viscorod.results.campbell import Campbell
     from viscorod.results.decay_result import Decay
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.results.frequency_response import FrequencyResponse
     from viscorod.results.identification import Identification
     from viscorod.results.master_curve_result import MasterCurve
     from viscorod.results.modal_fit_result import ModalFit
     from viscorod.results.modes_result import Modes
     from viscorod.results.periodic import Periodic
-    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.run import Run
     from viscorod.results.stability_result import Stability
     from viscorod.results.steady_result import Steady
 
@@ -41,7 +42,7 @@ __all__ = ["KINDS", "result_class"]
 
 KINDS = {
     "simulate": ("run", "Run"),
-    "equilibrium": ("run", "Equilibrium"),
+    "equilibrium": ("equilibrium_result", "Equilibrium"),
     "steady": ("steady_result", "Steady"),
     "modes": ("modes_result", "Modes"),
     "buckling": ("buckling", "Buckling"),

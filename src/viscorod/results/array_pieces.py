@@ -12,7 +12,7 @@ from viscorod.typing import Floats, Integers
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.result import Result
+    from viscorod.results.recorded_states import RecordedStates
 
 __all__ = ["blocks", "extremes", "in_states", "largest"]
 
@@ -20,7 +20,7 @@ _BLOCK = 2_000_000  # numbers that are read at once
 _GAP = 16  # states between two that are wanted which are read with them
 
 
-def extremes(result: Result, quantity: str) -> tuple[Floats, Floats]:
+def extremes(result: RecordedStates, quantity: str) -> tuple[Floats, Floats]:
     """Return the least and the largest value over all states everywhere, such as ``(points, 6)``, read in pieces."""
     low = high = None
     for block in blocks(result, quantity):
@@ -32,7 +32,7 @@ def extremes(result: Result, quantity: str) -> tuple[Floats, Floats]:
     return low, high
 
 
-def largest(result: Result, quantity: str) -> Floats:
+def largest(result: RecordedStates, quantity: str) -> Floats:
     """Return the largest size of every component along the rods in every state ``(states, 6)``, read in pieces."""
     return np.concatenate([np.max(np.abs(block), axis=1) for block in blocks(result, quantity)])
 
@@ -52,7 +52,7 @@ def in_states(variable: xr.DataArray | xr.Variable, along: str, states: Integers
     return found
 
 
-def blocks(result: Result, quantity: str) -> Iterator[Floats]:
+def blocks(result: RecordedStates, quantity: str) -> Iterator[Floats]:
     """Yield a quantity at the Gauss points or stations in pieces, states first."""
     variable = result.data[quantity]
     states = variable.sizes[result.dimension]

@@ -2,18 +2,25 @@
 
 from __future__ import annotations
 
+import difflib
 from collections import Counter
 from collections.abc import Sequence
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.errors import InputError
 from viscorod.mechanics.joints.joint_coordinates import AT_RHO_A, AT_RHO_B
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.history import StationReader
 from viscorod.solve.problem.joint_set import GROUND
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from viscorod.results.recorded_states import RecordedStates
 
 
 def unique(names: Sequence[str]) -> list[str]:
@@ -65,3 +72,36 @@ def _seat(reader: StationReader, node: int, point: Floats) -> tuple[int, Floats]
     distance = np.linalg.norm(offset[mine] - point, axis=1)
     nearest = int(mine[np.argmin(distance)])
     return nearest, np.asarray(matrices(turn[nearest][None])[0].T @ (point - offset[nearest]))
+
+
+def coordinates_of(result: RecordedStates, name: str) -> xr.Dataset:
+    """Return the coordinates of a joint or spring, see ``Result.joint``."""
+    import xarray as xr
+
+    known = list(dict.fromkeys(result.data["joint"].values.tolist())) if "joint" in result.data else []
+    if name not in known:
+        near = difflib.get_close_matches(name, known, n=1) or known
+        hint = f"did you mean {near[0]!r}?" if near else "this result has no joints or springs"
+        raise InputError(f"no joint or spring is called {name!r}; {hint}")
+    mine = np.flatnonzero(result.data["joint"].values == name)
+    words = result.data["joint_motion"].values[mine]
+    units = {
+        "value": ["m" if word.startswith("u") else "rad" for word in words],
+        "rate": ["m/s" if word.startswith("u") else "rad/s" for word in words],
+        "force": ["N" if word.startswith("u") else "N m" for word in words],
+    }
+    return xr.Dataset(
+        {
+            key: (
+                (result.dimension, "motion"),
+                result.data[f"joint_{key}"].values[:, mine],
+                {"units": ", ".join(dict.fromkeys(unit)), "long_name": f"{key} of {name}"},
+            )
+            for key, unit in units.items()
+        },
+        {
+            result.dimension: result.data[result.dimension],
+            "motion": words,
+            "held": ("motion", result.data["joint_held"].values[mine].astype(bool)),
+        },
+    )

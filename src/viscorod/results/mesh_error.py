@@ -6,12 +6,12 @@ import json
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from viscorod.results.result import Result
+    from viscorod.results.recorded_states import RecordedStates
 
 __all__ = ["mesh_errors"]
 
 
-def mesh_errors(result: Result) -> dict[str, float]:
+def mesh_errors(result: RecordedStates) -> dict[str, float]:
     """Return the estimated error of positions by the mesh, as a part of the length of each rod.
 
     It is the difference from the solution on elements half as long (``solve.refinement.mesh_estimate``), the largest

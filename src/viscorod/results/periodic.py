@@ -12,8 +12,6 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_numbers import number, quantity
-from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
@@ -268,83 +266,9 @@ class Periodic(StatelessResult):
 
     def report(self) -> str:
         """Return a report: curve, largest amplitudes, bifurcations, energy of cycles, warnings."""
-        hertz, count = self.frequencies, len(self.frequencies)
-        over = str(self.data.attrs.get("over", "frequency"))
-        where = (
-            f"from {self.amplitude(0)[0]:.6g} to {self.amplitude(0)[-1]:.6g} of {self.outputs[0]}, free vibrations"
-            if over == "amplitude"
-            else f"from {quantity(hertz[0], 'Hz')} to {quantity(hertz[-1], 'Hz')}"
-            if over == "frequency"
-            else f"at {quantity(hertz[0], 'Hz')}, {self.levels[0]:.6g} to {self.levels[-1]:.6g} times the amplitudes"
-        )
-        blocks = [
-            f"{self.title + chr(10) if self.title else ''}Periodic motions, {count} on a curve {where}, "
-            f"{int(self.data.attrs['harmonics'])} harmonics"
-        ]
-        sizes = [self.amplitude(k) for k in range(len(self.outputs))]
-        at = [int(size.argmax()) for size in sizes]
-        units = [str(unit) for unit in self.data["output_unit"].values]
-        blocks.append(
-            tabulated(
-                "Amplitudes (half of the way between extremes)",
-                words("output", self.outputs),
-                words(
-                    "largest", [quantity(size.max(), unit) for size, unit in zip(sizes, units, strict=True)]
-                ),
-                numbers(("at",), "Hz", hertz[at]),
-                words("level", [number(self.levels[k], 4) for k in at]),
-                words(
-                    "smallest",
-                    [quantity(size.min(), unit, 4) for size, unit in zip(sizes, units, strict=True)],
-                ),
-            )
-        )
-        if over == "amplitude":
-            blocks.append(self._backbone())
-        if (np.asarray(self.data["unstable"].values) >= 0).all():
-            stable = int(self.stable.sum())
-            blocks.append(f"Stability: {stable} of {count} motions are stable")
-        if self.bifurcations:
-            first = self.amplitude(0)
-            places = [k for k, _ in self.bifurcations]
-            blocks.append(
-                tabulated(
-                    "Bifurcations",
-                    words("kind", [word for _, word in self.bifurcations]),
-                    numbers(("at",), "Hz", hertz[places]),
-                    words("level", [number(self.levels[k], 5) for k in places]),
-                    numbers((self.outputs[0],), units[0], first[places]),
-                )
-            )
-        blocks.append(self._energy())
-        blocks.append(f"Highest two harmonics: {float(self.data['tail'].max()):.2g} of the motion at most")
-        if self.warnings:
-            blocks.append(listed("Warnings", self.warnings))
-        return page(blocks)
+        from viscorod.results.reports.periodic_report import periodic_report
 
-    def _energy(self) -> str:
-        """Say how well the work of a cycle is its loss."""
-        if not self.inputs and float(np.abs(self.damping_ratios).max()) < LOSSLESS:
-            return "Energy of a cycle: without damping a free vibration has neither work nor loss"
-        apart = np.abs(self.work - self.loss)
-        return (
-            f"Energy of a cycle: work up to {quantity(self.work.max(), 'J', 5)}; work and loss differ by at most "
-            f"{apart.max() / max(np.abs(self.work).max(), 1e-300):.2g} of that"
-        )
-
-    def _backbone(self) -> str:
-        """Return a table of frequency and damping ratio over the amplitude, of some motions."""
-        size, hertz, ratios = self.amplitude(0), self.frequencies, self.damping_ratios
-        chosen = np.unique(np.linspace(0, len(size) - 1, 8).astype(int))
-        shown = self.decrement_ratios(0) if len(size) > 2 and self.loss.all() else np.full(len(size), np.nan)
-        decrements = [number(shown[k]) if np.isfinite(shown[k]) else "-" for k in chosen]
-        return tabulated(
-            "Free vibrations",
-            numbers((self.outputs[0],), str(self.data["output_unit"].values[0]), size[chosen], digits=5),
-            numbers(("frequency",), "Hz", hertz[chosen], digits=7),
-            words("damping ratio", [number(ratios[k]) for k in chosen]),
-            words("by its decrement", decrements),
-        )
+        return periodic_report(self)
 
     @checked
     def save_csv(self, path: str | Path) -> Path:

@@ -8,9 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.modes_result import Modes
 from viscorod.results.result import Result
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 from viscorod.results.steady_result import Steady
 from viscorod.results.sweep_result import Sweep
 

@@ -18,7 +18,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset
 from viscorod.results.derivative import Derivative, Part
-from viscorod.results.run import Equilibrium
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot

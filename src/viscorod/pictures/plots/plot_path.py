@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from viscorod.results.run import Equilibrium
+    from viscorod.results.equilibrium_result import Equilibrium
 
 
 def draw_path(path: Equilibrium, ax: Axes | None = None) -> Figure:

@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from viscorod.results.run import Equilibrium
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.results.steady_result import Steady
 
 

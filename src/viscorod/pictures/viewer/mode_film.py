@@ -10,8 +10,8 @@ import numpy as np
 from viscorod.errors import InputError
 from viscorod.mechanics.rotations.quaternion import product
 from viscorod.results.buckling import Buckling
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.modes_result import Modes
-from viscorod.results.run import Equilibrium
 from viscorod.results.steady_result import Steady
 from viscorod.typing import Floats
 

@@ -29,10 +29,11 @@ from viscorod.pictures.viewer.symbols import bodies_of, connections_of, supports
 from viscorod.results.buckling import Buckling
 from viscorod.results.data_schema import AXES
 from viscorod.results.element_points import aligned
+from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.modes_result import Modes
 from viscorod.results.result import Result
 from viscorod.results.result_warnings import warnings_of
-from viscorod.results.run import Equilibrium, Run
+from viscorod.results.run import Run
 from viscorod.results.stateless_result import StatelessResult
 from viscorod.results.steady_result import Steady
 from viscorod.results.text_numbers import scaled

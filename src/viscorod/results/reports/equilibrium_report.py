@@ -24,7 +24,7 @@ from viscorod.results.text_numbers import quantity
 from viscorod.results.text_table import numbers, page, tabulated, words
 
 if TYPE_CHECKING:
-    from viscorod.results.run import Equilibrium
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.typing import Floats
 
 __all__ = ["equilibrium_report"]

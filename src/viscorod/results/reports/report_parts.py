@@ -16,9 +16,10 @@ from viscorod.results.text_table import listed, numbers, tabulated, words
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from viscorod.results.equilibrium_result import Equilibrium
     from viscorod.results.result import Result
     from viscorod.results.result_places import ResultPlace
-    from viscorod.results.run import Equilibrium, Run
+    from viscorod.results.run import Run
     from viscorod.results.steady_result import Steady
 
 __all__ = [
