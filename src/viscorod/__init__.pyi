@@ -16,7 +16,7 @@ from .model.actions.drag import Drag as Drag
 from .model.actions.event import Crossing as Crossing
 from .model.actions.event import Decayed as Decayed
 from .model.actions.event import SteadyState as SteadyState
-from .model.actions.time_table import FunctionOfTime as FunctionOfTime
+from .model.actions.function_of_time import FunctionOfTime as FunctionOfTime
 from .model.actions.initial_strain import InitialStrain as InitialStrain
 from .model.actions.initial_velocity import InitialVelocity as InitialVelocity
 from .model.actions.load import DistributedForce as DistributedForce

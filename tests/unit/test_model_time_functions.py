@@ -7,8 +7,10 @@ import pytest
 from scipy.interpolate import CubicSpline
 
 from viscorod.errors import AccuracyWarning, InputError
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, Until
-from viscorod.model.actions.time_table import FunctionOfTime, TimeTable, time_function
+from viscorod.model.actions.time_function_kinds import time_function
+from viscorod.model.actions.time_table import TimeTable
 
 WAVY = ([0.0, 0.5, 1.2, 2.0, 3.0], [1.0, -1.0, 2.0, 0.5, 0.0])
 SMOOTH = (np.linspace(0.0, 3.0, 13), np.sin(2.0 * np.linspace(0.0, 3.0, 13)))

@@ -10,7 +10,7 @@ import pytest
 import viscorod
 from viscorod.model.actions.event import EVENTS
 from viscorod.model.actions.load import LOADS
-from viscorod.model.actions.time_table import TIME_FUNCTIONS
+from viscorod.model.actions.time_function_kinds import TIME_FUNCTIONS
 from viscorod.model.bodies.body import BODIES
 from viscorod.model.connections.joint import JOINTS
 from viscorod.model.connections.spring import SPRINGS

@@ -23,7 +23,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.mechanics.rotations.quaternion import matrices
-from viscorod.model.actions.time_table import FunctionOfTime
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.result_places import ResultPlace
 from viscorod.results.run import Run

@@ -14,7 +14,7 @@ from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import LOADS
 from viscorod.model.actions.rest_strain import RestStrain
-from viscorod.model.actions.time_table import TIME_FUNCTIONS
+from viscorod.model.actions.time_function_kinds import TIME_FUNCTIONS
 from viscorod.model.bodies.body import BODIES, Body
 from viscorod.model.connections.joint import JOINTS
 from viscorod.model.connections.rigid_attachment import Attachment

@@ -12,24 +12,22 @@ from pydantic import model_validator
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.along_curves import AlongCurves
-from viscorod.model.cable import GYRATION, SLACK, with_direction
+from viscorod.model.cable import with_direction
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
 from viscorod.model.centrelines.tilt import Tilt, tilts
 from viscorod.model.centrelines.tilt import tilt as as_tilt
 from viscorod.model.fields.definition import Definition, RefusedError, show
-from viscorod.model.fields.forms import named_or, quantity
-from viscorod.model.fields.metadata import Check, Key, accepts
-from viscorod.model.fields.values import Flag, OptionalDirection, choose, number, whole_number
+from viscorod.model.fields.metadata import Key
+from viscorod.model.fields.values import Flag, OptionalDirection, choose
 from viscorod.model.materials.material import Material
-from viscorod.model.rod_checks import require_consistent
+from viscorod.model.rod_checks import material_value, require_consistent, twist_value, whole_or_auto
+from viscorod.model.rod_sections import assumptions_of, kinks_of, mass_of
 from viscorod.model.rod_turning import turning_along
 from viscorod.model.sections.curved_section import curved_branches, curved_matrices, curved_parts
 from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
-from viscorod.model.sections.section_kinks import SAMPLES as MANY_SAMPLES
-from viscorod.model.sections.section_kinks import kinks
 from viscorod.model.sections.section_laws import section_law
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, section_profile
 from viscorod.model.sections.section_stations import Stations
@@ -58,35 +56,6 @@ third of a circle then, follows it to 4e-7 of its length."""
 NODES_PER_ROD = 10
 DRAWN = 120
 """Points of a small drawing."""
-END = 1e-9
-"""How far from the end of a rod, as a part of its length, what is there counts as the end."""
-FEW_SAMPLES = 32
-"""Intervals in which kinks of sections are sought that need a mesh of their own at every station."""
-
-
-@accepts(named_or("material"), "name of a material in quotes, or a table")
-def _material(value: Any) -> Material | None:
-    return value if value is None or isinstance(value, Material) else Material.model_validate(value)
-
-
-@accepts(quantity(), "number", "or a function of the arc length")
-def _twist(value: Any) -> Twist:
-    return value if callable(value) else number(value)
-
-
-def _whole_or_auto(high: int) -> Check[int | None]:
-    check = whole_number(1, high)
-
-    @accepts({"anyOf": [check.form, {"const": "auto"}]}, f'{check.words}, or `"auto"`')
-    def parse(value: Any) -> int | None:
-        if value is None or value == "auto":
-            return None
-        try:
-            return check(value)
-        except RefusedError as error:
-            raise RefusedError(error.why, f"{error.instead}, or 'auto'") from None
-
-    return parse
 
 
 class Rod(AlongCurves, Definition):
@@ -99,19 +68,19 @@ class Rod(AlongCurves, Definition):
         "the curve of the section's centres"
     )
     section: Annotated[SectionProfile, section_profile] = Key("a section, `Piecewise`, `Taper` or `Stations`")
-    material: Annotated[Material | None, _material] = Key(
+    material: Annotated[Material | None, material_value] = Key(
         "for sections given by their shape; stiffness and composite sections take none", default=None
     )
-    elements: Annotated[int | None, _whole_or_auto(MOST_ELEMENTS)] = Key(
+    elements: Annotated[int | None, whole_or_auto(MOST_ELEMENTS)] = Key(
         "number of elements, 1 to 100 000; left out, the program chooses", default=None
     )
-    order: Annotated[int | None, _whole_or_auto(HIGHEST_ORDER)] = Key(
+    order: Annotated[int | None, whole_or_auto(HIGHEST_ORDER)] = Key(
         "of the elements' polynomials, 1 to 12; left out, the program chooses", default=None
     )
     d1: OptionalDirection = Key(
         "direction of the section's first axis at the start, global axes", default=None
     )
-    twist: Annotated[Twist, _twist] = Key(
+    twist: Annotated[Twist, twist_value] = Key(
         "angle of the section about d3 relative to the rotation-minimising frame: the total, growing "
         "evenly from start to end; {}",
         "rad",
@@ -180,18 +149,7 @@ class Rod(AlongCurves, Definition):
             )
         if self.material is not None and self.material.pending:
             return self.replaced(material=self.material.with_damping(None)).mass
-        if self.uniform:
-            return self.length * float(self.matrices_at(0.0)[2][0, 0])
-        points, weights = np.polynomial.legendre.leggauss(1 if isinstance(self.section, Piecewise) else 16)
-        ends = np.array([0.0, *sorted({*self.section_breaks, *self.kinks}), self.length])
-        middles, halves = 0.5 * (ends[1:] + ends[:-1]), 0.5 * np.diff(ends)
-        return float(
-            sum(
-                half * weight * self.matrices_at(middle + half * point)[2][0, 0]
-                for middle, half in zip(middles, halves, strict=True)
-                for point, weight in zip(points, weights, strict=True)
-            )
-        )
+        return mass_of(self)
 
     @property
     def has_inertia(self) -> bool:
@@ -230,34 +188,12 @@ class Rod(AlongCurves, Definition):
 
         A function that knows them says so by an attribute `stations` (m); others are sampled.
         """
-        found: list[float] = []
-        if isinstance(self.section, Stations):
-            found += [station.at for station in self.section.given]
-        elif callable(self.section):
-            known = getattr(self.section, "stations", None)
-            costly = not self.section_at(0.0).can_taper
-            samples = FEW_SAMPLES if costly else MANY_SAMPLES
-            found += kinks(self._section_values, self.length, samples) if known is None else list(known)
-        twist = self.turn
-        if callable(twist):
-            known = getattr(twist, "stations", None)
-            found += kinks(lambda s: np.array([twist(s)]), self.length) if known is None else list(known)
-        inner = {s for s in found if 0.0 < s < self.length * (1.0 - END)} - {*self.section_breaks}
-        return tuple(sorted(inner))
+        return kinks_of(self)
 
     @property
     def turn(self) -> Twist:
         """The twist, of the rod or of the stations of its section."""
         return (isinstance(self.section, Stations) and self.section.twist) or self.twist
-
-    def _section_values(self, s: float) -> Floats:
-        """Return stiffness and inertia of the section at the arc length `s` as one array (72,)."""
-        section = self.section_at(s)
-        material = self.material if section.needs_material else None
-        if material is not None and material.pending:
-            material = material.with_damping(None)
-        stiffness, _, inertia = section.matrices(material)
-        return np.concatenate([stiffness.ravel(), inertia.ravel()])
 
     def section_at(self, s: float) -> AnySection:
         """Return the section at the arc length `s`; where it jumps, the one that starts there."""
@@ -276,6 +212,11 @@ class Rod(AlongCurves, Definition):
             )
         return section
 
+    def _made_of(self, s: float) -> tuple[AnySection, Material | None]:
+        """Return the section at the arc length `s`, and the material if it needs one."""
+        section = self.section_at(s)
+        return section, self.material if section.needs_material else None
+
     def matrices_at(self, s: float) -> Matrices:
         """Return stiffness C, damping D and inertia M per length (6, 6) of the section at the arc length `s`."""
         if self.uniform:
@@ -289,8 +230,7 @@ class Rod(AlongCurves, Definition):
         return self._matrices_at(0.0)
 
     def _matrices_at(self, s: float) -> Matrices:
-        section = self.section_at(s)
-        material = self.material if section.needs_material else None
+        section, material = self._made_of(s)
         matrices = section.matrices(material)
         if self.curvature_correction:
             matrices = curved_matrices(matrices, section, material, self.curvature_at(s))
@@ -311,27 +251,13 @@ class Rod(AlongCurves, Definition):
 
     def heat_capacity_at(self, s: float) -> float | None:
         """Return the heat capacity per length at the arc length `s`, J/(m K); None where it is not known."""
-        section = self.section_at(s)
-        return section.heat_capacity(self.material if section.needs_material else None)
+        section, material = self._made_of(s)
+        return section.heat_capacity(material)
 
     @property
     def assumptions(self) -> list[str]:
         """What is assumed of its sections and material, one sentence each."""
-        materials = [] if self.material is None else [self.material]
-        for s in (0.0, *self.section_breaks):
-            materials += self.section_at(s).materials
-        found = list(dict.fromkeys(text for material in materials for text in material.assumptions))
-        if self.law is not None:
-            found.append(
-                f"its sections have the law {type(self.law).__name__}, which times and moduli of the damping leave out"
-            )
-        if self.is_cable:
-            found.append(
-                f"a cable, which bends and twists at no cost: {SLACK:g} of its axial stiffness times length squared "
-                f"gives its sections a direction, {GYRATION**2:g} one about its axis, and their radius of gyration is "
-                f"{GYRATION:g} of its length"
-            )
-        return found
+        return assumptions_of(self)
 
     @property
     def is_cable(self) -> bool:
@@ -343,8 +269,7 @@ class Rod(AlongCurves, Definition):
 
     def branches_at(self, s: float) -> Branches:
         """Return Maxwell branches of the section at the arc length `s`: times (n,), s, and stiffnesses (n, 6, 6)."""
-        section = self.section_at(s)
-        material = self.material if section.needs_material else None
+        section, material = self._made_of(s)
         branches = section.branch_matrices(material)
         if self.curvature_correction:
             return curved_branches(branches, section, material, self.curvature_at(s))
@@ -355,8 +280,7 @@ class Rod(AlongCurves, Definition):
 
         The stiffness is the sum of ``E C_E + G C_G``; nothing of a section that is given by numbers.
         """
-        section = self.section_at(s)
-        material = self.material if section.needs_material else None
+        section, material = self._made_of(s)
         parts = section.by_material(material)
         if parts and self.curvature_correction:
             return curved_parts(parts, section, material, self.curvature_at(s))

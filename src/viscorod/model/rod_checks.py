@@ -1,15 +1,20 @@
-"""Checks of a rod: sections with their material, pieces up to its end, sizes that double precision can hold."""
+"""Checks of a rod: values of its fields, sections with their material, its end, what double precision can hold."""
 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.cable import with_direction
+from viscorod.model.centrelines.centreline import Twist
+from viscorod.model.fields.forms import named_or, quantity
+from viscorod.model.fields.metadata import Check, accepts
+from viscorod.model.fields.values import number, whole_number
+from viscorod.model.materials.material import Material
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.section_stations import Stations
@@ -18,10 +23,38 @@ from viscorod.wording import RefusedError, show
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
 
-__all__ = ["require_consistent"]
+__all__ = ["material_value", "require_consistent", "twist_value", "whole_or_auto"]
 
 ROUNDED = 1e-3
 """How far the last station may be from the end of its rod, as a part of the length: tables are rounded."""
+
+
+@accepts(named_or("material"), "name of a material in quotes, or a table")
+def material_value(value: Any) -> Material | None:
+    """Return `value` as a material."""
+    return value if value is None or isinstance(value, Material) else Material.model_validate(value)
+
+
+@accepts(quantity(), "number", "or a function of the arc length")
+def twist_value(value: Any) -> Twist:
+    """Return `value` as a twist: a number, or a function of the arc length."""
+    return value if callable(value) else number(value)
+
+
+def whole_or_auto(high: int) -> Check[int | None]:
+    """Return a check for whole numbers from 1 to `high`, or "auto", which is None."""
+    check = whole_number(1, high)
+
+    @accepts({"anyOf": [check.form, {"const": "auto"}]}, f'{check.words}, or `"auto"`')
+    def parse(value: Any) -> int | None:
+        if value is None or value == "auto":
+            return None
+        try:
+            return check(value)
+        except RefusedError as error:
+            raise RefusedError(error.why, f"{error.instead}, or 'auto'") from None
+
+    return parse
 
 
 def require_consistent(rod: Rod) -> None:

@@ -9,9 +9,9 @@ from typing import TYPE_CHECKING, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.load_base import AlongRod
 from viscorod.model.actions.load_effects import Arrows, CompiledLaw, Placing
-from viscorod.model.actions.time_table import FunctionOfTime
 from viscorod.model.connections.place import Place
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key

@@ -17,7 +17,7 @@ from pydantic import Field, model_validator
 from viscorod.model.actions.drag import Drag
 from viscorod.model.actions.load_base import AlongRod, AnyLoad, refused, refused_rod
 from viscorod.model.actions.load_effects import Arrows, Placing
-from viscorod.model.actions.time_table import TimeField
+from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField
 from viscorod.model.fields.definition import RefusedError, show, some_of

@@ -10,7 +10,7 @@ from pydantic import model_validator
 
 from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_function import Constant
-from viscorod.model.actions.time_table import TimeField
+from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.connections.place import Place, find_rod, station_on
 from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
 from viscorod.model.fields.metadata import Key

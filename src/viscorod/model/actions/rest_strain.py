@@ -11,9 +11,10 @@ from typing import Annotated, Any, Self
 import numpy as np
 from pydantic import model_validator
 
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.initial_strain import six_strains, strain_field
 from viscorod.model.actions.time_function import Constant
-from viscorod.model.actions.time_table import FunctionOfTime, TimeField
+from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, quantity, row
 from viscorod.model.fields.metadata import Key, accepts, optional

@@ -1,10 +1,9 @@
-"""Functions of time given by values or by a Python function, and the parser for all kinds."""
+"""Functions of time given by values at times, from lists or from a file."""
 
 from __future__ import annotations
 
-import math
 from bisect import bisect_left, bisect_right
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 from functools import cached_property
 from itertools import pairwise
 from typing import Annotated, Any, Literal, Self
@@ -14,16 +13,14 @@ from pydantic import Field, model_validator
 
 from viscorod.errors import warn
 from viscorod.model.actions.record_file import TIME_UNITS, VALUE_UNITS, read_record
-from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, TimeFunction, Until
-from viscorod.model.fields.definition import Definition, RefusedError, base_init, show
-from viscorod.model.fields.forms import TEXT, listed, of_kind, quantity
+from viscorod.model.actions.time_function import TimeFunction
+from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.forms import TEXT, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
-from viscorod.model.fields.quantities import waits
-from viscorod.model.fields.values import OptionalText, choose, function, number, numbers, one_of, word
+from viscorod.model.fields.values import OptionalText, numbers, one_of, word
 from viscorod.typing import Floats
 
-__all__ = ["TIME_FUNCTIONS", "FunctionOfTime", "TimeField", "TimeTable", "time_function"]
-
+__all__ = ["TimeTable"]
 
 OVERSHOOT = 0.1
 """How far a spline may leave the range of the two values that it joins, as a part of the range of all values."""
@@ -274,135 +271,3 @@ def _overshoot(coefficients: Floats, times: Floats, values: Floats, whole: float
         f"{values[worst]:.3g} and {values[worst + 1]:.3g}: the table is taken as interpolation = 'monotone', which "
         "stays between them; write that, or give more points"
     )
-
-
-@accepts(None)
-def _times(value: Any) -> tuple[float, ...]:
-    return tuple(sorted(set(numbers(value, at_least=0))))
-
-
-OptionalFunction = Annotated[Callable[[float], float] | None, optional(function)]
-
-
-class FunctionOfTime(TimeFunction):
-    """A Python function of the time (not in case files).
-
-    Args:
-        function: t -> value.
-        rate: t -> first derivative; needed for prescribed motions.
-        acceleration: t -> second derivative; needed for prescribed motions.
-        breakpoints: times at which one of the three is not smooth, s; the function gives there the value
-            after.
-    """
-
-    kind: Literal["function"] = Field(default="function", kw_only=True, repr=False)
-    value_function: Annotated[Callable[[float], float], function]
-    rate_function: OptionalFunction = None
-    acceleration_function: OptionalFunction = None
-    break_times: Annotated[Sequence[float], _times] = ()
-
-    @base_init
-    def __init__(
-        self,
-        function: Callable[[float], float],
-        rate: Callable[[float], float] | None = None,
-        acceleration: Callable[[float], float] | None = None,
-        breakpoints: Sequence[float] = (),
-    ) -> None:
-        given: dict[str, Any] = {
-            "value_function": function,
-            "rate_function": rate,
-            "acceleration_function": acceleration,
-            "break_times": breakpoints,
-        }
-        super().__init__(**given)
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """The given times."""
-        return tuple(self.break_times)
-
-    @property
-    def jumps(self) -> tuple[float, ...]:
-        """The given times at which the value before differs from the value after."""
-        return tuple(
-            t
-            for t in self.break_times
-            if not math.isclose(self.value(t), self.value(t, before=True), rel_tol=1e-9)
-        )
-
-    def value(self, t: float, before: bool = False) -> float:
-        """Call the function."""
-        return self._call(self.value_function, t, before)
-
-    def rate(self, t: float, before: bool = False) -> float:
-        """Call the function `rate`."""
-        self.require_derivatives()
-        return self._call(self.rate_function, t, before)
-
-    def acceleration(self, t: float, before: bool = False) -> float:
-        """Call the function `acceleration`."""
-        self.require_derivatives()
-        return self._call(self.acceleration_function, t, before)
-
-    def require_derivatives(self) -> None:
-        """Refuse missing derivatives."""
-        if self.rate_function is None or self.acceleration_function is None:
-            raise RefusedError(
-                "a prescribed motion needs its velocity and acceleration",
-                "give FunctionOfTime(function, rate, acceleration) with both derivatives",
-                found="a function of time without rate and acceleration",
-            )
-
-    def _call(self, function: Callable[[float], float] | None, t: float, before: bool) -> float:
-        assert function is not None
-        result = function(math.nextafter(t, -math.inf) if before and t in self.break_times else t)
-        try:
-            return number(result)
-        except RefusedError as error:
-            raise RefusedError(
-                f"the function of time gave this at t = {t:.9g} s: {error.why}",
-                "make it return a finite number at all times",
-                found=show(result),
-            ) from None
-
-
-TIME_FUNCTIONS: dict[str, type[Definition]] = {
-    "constant": Constant,
-    "until": Until,
-    "ramp": Ramp,
-    "smooth_ramp": SmoothRamp,
-    "sine": Sine,
-    "table": TimeTable,
-    "spin_up": SpinUp,
-}
-"""The functions of time by their word in a case file; a new one is one class and one line here."""
-
-_from_table = choose("kind", TIME_FUNCTIONS)
-
-
-@accepts(quantity(of_kind("time")), "number, or table with `kind`, see Functions of time")
-def time_function(value: Any) -> TimeFunction:
-    """Return `value` as a function of time: one of the kinds, a plain number (constant) or a Python function."""
-    if isinstance(value, TimeFunction):
-        return value
-    if isinstance(value, int | float | np.integer | np.floating) and not isinstance(value, bool):
-        return Constant(number(value))
-    if isinstance(value, Mapping):
-        parsed = _from_table(value)
-        if waits(parsed):
-            raise RefusedError(
-                "the unit in this table is that of what the function of time describes, which is not known here",
-                "give an object, such as vr.Ramp, or plain numbers in SI",
-            )
-        assert isinstance(parsed, TimeFunction)
-        return parsed
-    if callable(value) and not isinstance(value, Definition | type):
-        return FunctionOfTime(value)
-    raise RefusedError(
-        "a function of time is needed here",
-        f"give a number or a table with kind = one of {', '.join(TIME_FUNCTIONS)}",
-    )
-
-
-TimeField = Annotated[TimeFunction | None, optional(time_function)]

@@ -6,7 +6,7 @@ from collections.abc import Callable, Mapping
 from typing import Any
 
 from viscorod.model.actions.time_function import TimeFunction
-from viscorod.model.actions.time_table import time_function
+from viscorod.model.actions.time_function_kinds import time_function
 from viscorod.model.fields.definition import RefusedError, did_you_mean, show
 from viscorod.model.fields.forms import listed, of_kind, word_table
 from viscorod.model.fields.metadata import accepts

@@ -8,7 +8,7 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from viscorod.model.actions.time_function import TimeFunction
-from viscorod.model.actions.time_table import time_function
+from viscorod.model.actions.time_function_kinds import time_function
 from viscorod.model.connections.motion_words import (
     MOTIONS,
     VELOCITIES,

@@ -8,9 +8,10 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Sine, TimeFunction
-from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find, required_breaks

@@ -10,10 +10,11 @@ import numpy as np
 
 from viscorod.mechanics.elements.held_strains import HeldStrains
 from viscorod.mechanics.elements.section_laws import SectionLaws
+from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.load_effects import MotionLaw, TimeFactor
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.actions.time_function import TimeFunction
-from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.linear.known_plans import plan_of
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan

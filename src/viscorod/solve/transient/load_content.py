@@ -13,7 +13,8 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import legendre
 
-from viscorod.model.actions.time_table import FunctionOfTime, TimeTable
+from viscorod.model.actions.function_of_time import FunctionOfTime
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
