@@ -11,7 +11,7 @@ from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.solve.steady.slow_motions import QuadraticPencil
+from viscorod.solve.steady.quadratic_pencil import QuadraticPencil
 from viscorod.solve.tracking.moving_pencil import MovingPencil
 
 __all__ = ["LoadedEquilibria"]

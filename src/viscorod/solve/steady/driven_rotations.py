@@ -16,8 +16,8 @@ from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.steady.continuation import LARGEST_GAP, TOLERANCE, continue_to
+from viscorod.solve.steady.quadratic_pencil import QuadraticPencil
 from viscorod.solve.steady.rotation_search import Search
-from viscorod.solve.steady.slow_motions import QuadraticPencil
 from viscorod.solve.steady.stability import SecondOrder
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.whirl import Rounds, pure, rounds

@@ -18,7 +18,9 @@ from scipy import sparse
 from viscorod.solve.steady.branch_springs import BranchSprings
 from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.growth_limits import GrowthLimits, growth_limits
-from viscorod.solve.steady.slow_motions import MOST, Found, QuadraticPencil, growing, slow_motions
+from viscorod.solve.steady.quadratic_pencil import QuadraticPencil
+from viscorod.solve.steady.root_counts import growing
+from viscorod.solve.steady.slow_motions import MOST, Found, slow_motions
 from viscorod.typing import Floats
 
 SLOW = 1e-4

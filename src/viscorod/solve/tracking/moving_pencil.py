@@ -16,7 +16,7 @@ from scipy import sparse
 
 from viscorod.errors import SolveError
 from viscorod.solve.linear.sparse_lu import SparseLU
-from viscorod.solve.steady.slow_motions import QuadraticPencil
+from viscorod.solve.steady.quadratic_pencil import QuadraticPencil
 from viscorod.typing import Floats
 
 __all__ = ["MovingPencil", "Spectrum"]
