@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
+from viscorod.solve.reduced.collocation_factors import CollocationFactors
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.reduced.root_poses import stage_poses, unit
@@ -76,6 +76,7 @@ class ReducedMotion:
         self.evaluations = self.factorisations = self.jacobians = 0
         self.apart, self.moved, self.open = np.zeros(2), np.zeros(2), 0.0
         self.forces_apart, self.loaded, self._gap = np.zeros(2), np.zeros(2), 0.0
+        self._factors = CollocationFactors(tableau)
         self._begun = False
         self._last = stages - 1
         self._step = 0.0
@@ -158,20 +159,18 @@ class ReducedMotion:
         posed = any(self.loads.see_poses(t, before=b) for t, b in zip(times, left, strict=True))
         J = self._jacobian(posed=posed)
         self.jacobians += 1
-        if not self._factorise(J, h):
+        self.factorisations += 1
+        if not self._factors.factorise(J, h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
-        y, stages = self._y, len(tableau.nodes)
-        times = [
-            end if i == self._last and self._last else self.t + c * h for i, c in enumerate(tableau.nodes)
-        ]
-        left = [before and i == self._last for i in range(stages)]
-        Z = self._guessed(h)
+        y, Z = self._y, self._guessed(h)
         converged = FINEST if self.tolerance is None else min(CONVERGED, 1e-3 * self.tolerance.value)
         size = max(float(np.abs(y).max()), float(np.abs(Z).max()), 1e-300)
         correction, iterations = np.inf, 0
         forces = self._stage_forces(h, times, left, y + Z, posed=posed)
         while True:
-            change = self._solved(D @ Z - equations.rates(y + Z, np.array([force for force, _, _ in forces])))
+            change = self._factors.solve(
+                D @ Z - equations.rates(y + Z, np.array([force for force, _, _ in forces]))
+            )
             Z = Z - change
             iterations += 1
             previous, correction = correction, float(np.abs(change).max())
@@ -198,7 +197,7 @@ class ReducedMotion:
         report = StepReport(Outcome.CONVERGED, iterations, correction / size, 0.0, 0)
         if self.tolerance is None:
             return report
-        error = self.model.errors(self._error(h, Z), h)
+        error = self.model.errors(self._factors.error(self._rate, Z, h), h)
         node, component = divmod(int(np.argmax(error)), 6)
         allowed = self.step_factor * self.tolerance.at(end, self._state_reached)
         return report._replace(error=float(error.max()) / allowed, node=node, component=component)
@@ -305,35 +304,6 @@ class ReducedMotion:
             return nodes[:, None] * h * self._rate
         weights = self.tableau.polynomials(1.0 + nodes * h / self._step)
         return self._before + weights @ (self._stages - self._before) - self._y
-
-    def _error(self, h: float, Z: Floats) -> Floats:
-        """Return the estimated error of ``y`` (see ``Tableau.error``)."""
-        side = self._rate + self.tableau.error @ Z / h
-        return np.asarray(scipy.linalg.lu_solve(self._real, side, check_finite=False))
-
-    def _factorise(self, J: Floats, h: float) -> bool:
-        """Factorise ``mu/h - J`` of all eigenvalues of the method."""
-        self.factorisations += 1
-        one = np.eye(len(J))
-        if not np.isfinite(J).all():
-            return False
-        self._real = scipy.linalg.lu_factor(self.tableau.real / h * one - J, check_finite=False)
-        self._pairs = [
-            scipy.linalg.lu_factor(pair / h * one - J, check_finite=False) for pair in self.tableau.pairs
-        ]
-        return True
-
-    def _solved(self, residual: Floats) -> Floats:
-        """Return the corrections of all stages ``(s, k + l)``."""
-        modes = self.tableau.to_modes @ residual
-        out = np.empty_like(modes)
-        out[0] = scipy.linalg.lu_solve(self._real, modes[0], check_finite=False)
-        for m, pair in enumerate(self._pairs):
-            solution = scipy.linalg.lu_solve(
-                pair, modes[2 * m + 1] + 1j * modes[2 * m + 2], check_finite=False
-            )
-            out[2 * m + 1], out[2 * m + 2] = solution.real, solution.imag
-        return np.asarray(self.tableau.to_stages @ out)
 
     def _stage_roots(self, h: float, stage: Floats) -> Floats:
         """Return the poses of the roots at all stages ``(s, roots, 7)``."""
