@@ -31,6 +31,12 @@ from viscorod.solve.transient.integrators.midpoint import Midpoint
 from viscorod.solve.transient.integrators.radau import Radau
 
 NAMES = ("geometric", "intrinsic")
+MESHES = ((1, 5), (4, 5), (33, 3), (100, 1))
+"""Elements and order of the cantilevers whose iterations are timed."""
+ROUNDS, REPEATS = 300, 5
+"""Of iterations, and of whole runs, of which the best counts."""
+RUNS = ((1, 5, 1e-4), (1, 7, 1e-5), (2, 6, 1e-6), (4, 6, 1e-7))
+"""Elements, order and tolerance of whole runs."""
 
 
 def cantilever(elements: int, order: int) -> vr.Model:
@@ -58,6 +64,13 @@ def hinged(elements: int, order: int) -> vr.Model:
     return model
 
 
+MOTIONS = {
+    "cantilever": (cantilever, 0.3, 10.0, {}),
+    "hinged": (hinged, 1.0, 2.0, {"initial": "reference"}),
+}
+"""The models of whole runs, their lengths [m], durations [s] and settings."""
+
+
 def moving(method: type[Collocation], formulation: str, elements: int, order: int) -> Collocation:
     """An integrator that has made a few steps with the cantilever."""
     problem = discretise(cantilever(elements, order))
@@ -73,10 +86,10 @@ def moving(method: type[Collocation], formulation: str, elements: int, order: in
     return integrator
 
 
-def best_in_turn(functions: list[Callable[[], object]], rounds: int = 300) -> list[float]:
+def best_in_turn(functions: list[Callable[[], object]]) -> list[float]:
     """Best seconds of each function, all called in turn, so that slow moments of the machine meet all of them."""
     best = [np.inf] * len(functions)
-    for _ in range(rounds):
+    for _ in range(ROUNDS):
         for k, function in enumerate(functions):
             start = time.perf_counter()
             function()
@@ -87,7 +100,7 @@ def best_in_turn(functions: list[Callable[[], object]], rounds: int = 300) -> li
 def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
     """A step of 1 ms that iterates ``limit`` times at most with a frozen Jacobian; it returns how often."""
     h = 1e-3
-    integrator._renew_jacobian()
+    integrator.renew_jacobian()
     integrator._factorise(h)
     integrator.newton_tolerance = 0.0  # goes on as long as it may and gets nearer
 
@@ -120,14 +133,14 @@ def newton_table() -> None:
     """Print what iterations cost."""
     print("Newton iteration: milliseconds, and the full one over LAPACK's factorisation and solution")
     print("mesh            formulation  iteration  Jacobian  factors    full  / LAPACK   radau's iteration")
-    for elements, order in ((1, 5), (4, 5), (33, 3), (100, 1)):
+    for elements, order in MESHES:
         functions: list[Callable[[], object]] = []
         counts = []
         for name in NAMES:
             middle, radau = (moving(method, name, elements, order) for method in (Midpoint, Radau))
             steps = [step_of(integrator, limit) for integrator in (middle, radau) for limit in (1, 2)]
             counts.append([step() for step in steps])
-            functions += [*steps, middle._renew_jacobian, partial(middle._factorise, 1e-3)]
+            functions += [*steps, middle.renew_jacobian, partial(middle._factorise, 1e-3)]
         copy, solve = best_in_turn(lapack_of(middle))
         seconds = np.array(best_in_turn(functions)).reshape(2, -1)
         for name, count, best in zip(NAMES, counts, seconds, strict=True):
@@ -144,17 +157,14 @@ def run_table() -> None:
     """Print accuracy and time of whole runs."""
     print("\nWhole runs: error of the tip over the length")
     print("case        mesh         tolerance  formulation   steps  iterations      error  loop [ms]")
-    for case, make, length, duration, given in (
-        ("cantilever", cantilever, 0.3, 10.0, {}),
-        ("hinged", hinged, 1.0, 2.0, {"initial": "reference"}),
-    ):
+    for case, (make, length, duration, given) in MOTIONS.items():
         interval = {"output_interval": duration / 200}
         fine = make(6, 6).simulate(duration, tolerance=1e-9, **given, **interval)
         reference = fine.data["position"].values[:, -1]
-        for elements, order, tolerance in ((1, 5, 1e-4), (1, 7, 1e-5), (2, 6, 1e-6), (4, 6, 1e-7)):
+        for elements, order, tolerance in RUNS:
             for name in NAMES:
                 best = np.inf
-                for _ in range(5):
+                for _ in range(REPEATS):
                     model = make(elements, order)
                     run = model.simulate(duration, tolerance=tolerance, formulation=name, **given, **interval)
                     best = min(best, run.data.attrs["loop_time_s"])

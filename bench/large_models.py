@@ -198,7 +198,7 @@ ANALYSES: dict[str, Callable[[vr.Model, Path], Callable[[], Any]]] = {
     "plot": _prepared(_still, lambda run, folder: run.plot(folder / "motion.png")),
     "view": _prepared(_still, lambda run, folder: vr.view(run, folder / "view.html")),
     "csv": _prepared(_moving, _csv),
-    "paraview": _prepared(_still, lambda run, folder: run.save_paraview(folder / "vtk")),
+    "paraview": _prepared(_still, lambda run, folder: run.save_paraview(folder / "run.vtkhdf")),
 }
 
 

@@ -24,6 +24,8 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan, plans
 from viscorod.typing import Floats, Integers
 
+SECONDS = 0.3
+"""For which an action is repeated."""
 TOO_SLOW = 10.0
 """Plans estimated to take so many times the best one are left out."""
 
@@ -83,10 +85,10 @@ MODELS: dict[str, Callable[[], Model]] = {
 }
 
 
-def best(action: Callable[[], object], seconds: float = 0.3) -> float:
+def best(action: Callable[[], object]) -> float:
     """Return the shortest time [us] of an action that is repeated for a while."""
     action()  # may compile
-    found, end = np.inf, time.perf_counter() + seconds
+    found, end = np.inf, time.perf_counter() + SECONDS
     while True:
         begin = time.perf_counter()
         action()

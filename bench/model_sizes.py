@@ -15,6 +15,7 @@ import time
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from newton_iteration import bytes_of
 
 import viscorod as vr
 from viscorod.solve.constraints.support_state import SupportState
@@ -46,20 +47,6 @@ def model_of(rods: int, elements: int) -> vr.Model:
     return model
 
 
-def arrays(thing: object, seen: set[int]) -> int:
-    """Bytes of all arrays that an object holds, each counted once."""
-    if id(thing) in seen:
-        return 0
-    seen.add(id(thing))
-    if isinstance(thing, np.ndarray):
-        return thing.nbytes if thing.base is None else arrays(thing.base, seen)
-    if isinstance(thing, (tuple, list)):
-        return sum(arrays(part, seen) for part in thing)
-    if type(thing).__module__.startswith("viscorod"):
-        return sum(arrays(part, seen) for part in vars(thing).values())
-    return 0
-
-
 def measure(rods: int, elements: int) -> tuple[float, float, float]:
     """Seconds per step, iterations per step, bytes of all arrays."""
     problem = discretise(model_of(rods, elements))
@@ -73,7 +60,7 @@ def measure(rods: int, elements: int) -> tuple[float, float, float]:
         result = run.run(state, 2e-3 * STEPS, output_interval=2e-3 * STEPS)
         best = min(best, time.perf_counter() - begin)
         iterations = result.effort.iterations / result.effort.steps
-        memory = arrays((problem, system, integrator), set())
+        memory = bytes_of(problem, system, integrator)
     return best / STEPS, iterations, memory
 
 
