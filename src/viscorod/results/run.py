@@ -83,15 +83,15 @@ class Run(RunPictures):
 
     @checked
     def decrement(
-        self, place: str | int, axis: str, rest: float | None = 0.0, *, below: bool = False
+        self, place: str | int, axis: str, rest: float | None = None, *, below: bool = False
     ) -> Decrement:
         """Return period, amplitude and damping ratio of every cycle of a displacement.
 
         Args:
             place: "beam.end", "beam@0.15", "plate", "plate.corner" or the number of a station.
             axis: global axis "x", "y" or "z".
-            rest: displacement about which it swings [m]; None takes it from the extremes of the motion, also where it
-                creeps.
+            rest: displacement about which it swings [m]; left out, it is taken from the extremes of the motion, also
+                where it creeps, as the report does.
             below: minima bound the cycles instead of maxima.
 
         Raises:
