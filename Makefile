@@ -60,6 +60,8 @@ style: $(VENV)/.stamp-test
 
 types: $(VENV)/.stamp-test
 	$(BIN)/mypy
+	$(BIN)/python docs/typed_lines.py docs/_build/typed
+	$(BIN)/mypy docs/_build/typed/docs_lines
 	$(BIN)/lint-imports
 
 pages: $(VENV)/.stamp-test

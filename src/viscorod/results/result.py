@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import difflib
 from abc import ABC, abstractmethod
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from types import MappingProxyType
@@ -16,6 +16,7 @@ from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.given_as import Amount, Amounts
 from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
@@ -131,7 +132,7 @@ class Result(WellNamed, Shown, Alike, ABC):
         places: Places,
         quantity: Quantity = "position",
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
     ) -> xr.DataArray:
         """Return how a quantity at a place, or at several, changes; see ``probe``, which returns all of them.
 
@@ -246,7 +247,7 @@ class Result(WellNamed, Shown, Alike, ABC):
         self,
         places: Places,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
         quantity: Quantity | None = None,
     ) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -12,6 +12,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.given_as import Amount, Amounts
 from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
 from viscorod.results.between_records import step_ends
 from viscorod.results.data_schema import AXES
@@ -178,9 +179,9 @@ class Run(RunPictures):
     def probe(
         self,
         places: Places,
-        times: float | Sequence[float] | Floats | None = None,
+        times: Amount | Amounts | None = None,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
         quantity: Quantity | None = None,
     ) -> xr.Dataset:
         """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
@@ -215,9 +216,9 @@ class Run(RunPictures):
         self,
         places: Places,
         quantity: Quantity = "position",
-        times: float | Sequence[float] | Floats | None = None,
+        times: Amount | Amounts | None = None,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
     ) -> xr.DataArray:
         """Return how a quantity at a place, or at several, changes; see ``Result.history``.
 
@@ -234,7 +235,7 @@ class Run(RunPictures):
 
     @checked
     def stress(
-        self, place: str | int, points: Any = None, times: float | Sequence[float] | Floats | None = None
+        self, place: str | int, points: Any = None, times: Amount | Amounts | None = None
     ) -> xr.Dataset:
         """Return stress, strain and loss at points of the section at a place; see ``Result.stress``.
 
