@@ -60,6 +60,8 @@ style: $(VENV)/.stamp-test
 
 types: $(VENV)/.stamp-test
 	$(BIN)/mypy
+	$(BIN)/python docs/typed_lines.py docs/_build/typed
+	$(BIN)/mypy docs/_build/typed/docs_lines
 	$(BIN)/lint-imports
 
 pages: $(VENV)/.stamp-test
@@ -93,7 +95,7 @@ coverage: $(VENV)/.stamp-test
 
 # The kernels of elements, in machine code, with versions of Numba whose inner classes differ.
 NUMBAS ?= 0.61 0.64 0.66 0.68
-numba: $(VENV)/.stamp-test
+numba: | $(BIN)/python
 	set -e; for version in $(NUMBAS); do \
 	  $(PYTHON) -m venv --clear $(VENV)/numba; \
 	  $(VENV)/numba/bin/python -m pip install --quiet --prefer-binary --editable . "numba==$$version.*" 'pytest>=8.3' 'hypothesis>=6.112'; \
@@ -135,7 +137,8 @@ peers: $(VENV)/.stamp-test
 	$(PIP) --editable '.[bench]'
 	$(BIN)/python bench/work_precision.py --figure docs/images/work_precision.png
 
-release: $(VENV)/.stamp-test
+# Nothing of this package is needed to build it; what the machine code is made with comes with the build.
+release: | $(BIN)/python
 	$(PIP) 'build>=1.2' 'twine>=6.0'
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .

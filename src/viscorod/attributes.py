@@ -32,6 +32,60 @@ ELSEWHERE = {
 """What other libraries call it, and what it is here: the first that an object has."""
 
 
+INNER = frozenset(
+    [
+        "resolved_supports",
+        "resolved_joints",
+        "resolved_springs",
+        "with_known_times",
+        "hints",
+        "renamed",
+        "tag",
+        "unused",
+        "pending",
+        "resolve",
+        "held",
+        "axes_at",
+        "label",
+        "ends",
+        "free_motions",
+        "held_motions",
+        "word",
+        "arrows",
+        "breakpoints",
+        "breaks",
+        "figures",
+        "jumps",
+        "misfits",
+        "passages",
+        "sees_motion",
+        "steady_after",
+        "travels",
+        "wrench",
+        "by_material",
+        "can_taper",
+        "needs_material",
+        "no_material",
+        "refuse_material",
+        "inertial_density",
+        "given_moduli",
+        "chosen_elements",
+        "section_breaks",
+        "typical_sections",
+        "relaxing",
+        "viscous",
+        "owning",
+        "later",
+        "recorded_rods",
+        "displacement_range",
+        "ends_of_steps",
+        "with_errors",
+        "count_completed",
+    ]
+)
+"""What other modules read of the objects that a user makes and gets, and what is no answer to a slip of the user's."""
+
+
 class UnknownNameError(InputError, KeyError):
     """Nothing has this name."""
 
@@ -78,7 +132,7 @@ class UnknownAttributeError(InputError, AttributeError):
         """Return the error for a name that an object has not."""
 
         def public() -> list[str]:
-            return [word for word in dir(owner) if not word.startswith("_")]
+            return [word for word in dir(owner) if not word.startswith("_") and word not in INNER]
 
         return cls(called or type(owner).__name__, name, known or public)
 

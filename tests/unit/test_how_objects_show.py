@@ -4,6 +4,7 @@ import copy
 import inspect
 import pickle
 import pydoc
+import re
 import xml.etree.ElementTree as ET
 
 import numpy as np
@@ -11,7 +12,7 @@ import pytest
 
 import viscorod as vr
 from helpers.synthetic_results import rolled_up, swing
-from viscorod.attributes import WellNamed
+from viscorod.attributes import INNER, UnknownAttributeError, WellNamed
 from viscorod.model.fields.definition import Definition
 
 
@@ -120,6 +121,18 @@ def test_names_that_are_not_there(ask, words):
     with pytest.raises(vr.InputError, match=words) as caught:
         ask()
     assert isinstance(caught.value, AttributeError)  # for hasattr, copy and pickle
+
+
+@pytest.mark.parametrize("word", sorted(INNER))
+def test_a_slip_is_not_answered_with_what_users_do_not_write(word):
+    """Every such name is one of some public class, and none is offered for a slip in it."""
+    owners = [
+        kind for name in vr.__all__ if isinstance(kind := getattr(vr, name), type) and hasattr(kind, word)
+    ]
+    assert owners
+    for kind in owners:
+        error = UnknownAttributeError.of(object.__new__(kind), f"{word}x")
+        assert not re.search(rf"\b{word}\b", str(error).partition("no attribute")[2]), kind
 
 
 @pytest.mark.parametrize(

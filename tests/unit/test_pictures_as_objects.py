@@ -114,6 +114,20 @@ def test_all_panels_at_once_are_refused(axes):
         vr.Run(swing()).plot(ax=axes)
 
 
+def test_a_sweep_over_lists_is_drawn():
+    """Places, as in ``rods.beam.end``: a line for each, and texts along the axis."""
+    ends = [[0.2, 0, 0], [0.3, 0, 0]]
+    members = [
+        SweepRun(k, {"a": a, "end": end}, quantities={"tip": a * end[0]})
+        for k, (a, end) in enumerate((a, end) for a in (1.0, 2.0) for end in ends)
+    ]
+    lines = Sweep(members).plot().axes[0].lines
+    for line, end in zip(lines, ends, strict=True):
+        np.testing.assert_array_equal(line.get_ydata(), [end[0], 2.0 * end[0]])
+        assert str(end) in line.get_label()
+    assert len(Sweep(members).plot(x="end").axes[0].lines) == 2
+
+
 def test_a_sweep_is_drawn_over_its_parameters(axes):
     """The numbers stand where the members are: tip = a b, a line for every b; the one that failed is left out."""
     found = a_sweep()

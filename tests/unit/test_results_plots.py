@@ -2,6 +2,7 @@
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 
 from helpers.pictures import written
 from helpers.synthetic_results import rolled_up, swing
@@ -10,6 +11,7 @@ from viscorod.pictures.plots.plot_energy import draw_energy
 from viscorod.pictures.plots.plot_motion import draw_motion
 from viscorod.pictures.plots.plot_shape import draw_shape
 from viscorod.pictures.plots.projection_view import View
+from viscorod.pictures.style import legend_over, titled
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.run import Run
 from viscorod.results.text_numbers import scaled
@@ -80,6 +82,28 @@ def test_shape_shows_the_way_to_the_equilibrium(tmp_path):
         "support",
     ]
     assert written(equilibrium.plot, tmp_path / "new" / "shape.svg").stat().st_size > 10_000
+
+
+@pytest.mark.parametrize("title", ["", "A strip that is rolled up"])
+@pytest.mark.parametrize("rows", [1, 2, 3])
+def test_headings_over_legends_are_within_the_picture(title, rows):
+    """However many rows the legend has: below the title of the case, and above its legend."""
+    picture = titled(Run(swing().assign_attrs(title=title)), 8.0, 6.4)
+    axes = picture.add_subplot()
+    for number in range(2 * rows):
+        axes.plot([0, 1], [0, 1], label=f"line {number}")
+    axes.set_title("Heading", loc="left")
+    legend_over(axes, 2)
+    renderer = picture.canvas.get_renderer()
+    picture.draw(renderer)
+    (heading,) = (text for text in axes.findobj(Text) if text.get_text() == "Heading")
+    box, legend = heading.get_window_extent(renderer), axes.get_legend().get_window_extent(renderer)
+    above = picture.bbox.y1
+    if title:
+        (name,) = (text for text in picture.texts if text.get_text() == title)
+        above = name.get_window_extent(renderer).y0
+    assert legend.y1 <= box.y0 + 4.0
+    assert box.y1 <= above
 
 
 def test_pictures_leave_no_global_figures(tmp_path):

@@ -95,6 +95,13 @@ def test_decrement_of_places(run):
         assert run.decrement(place, "y").damping_ratio == pytest.approx(0.05, abs=1e-6)
     with pytest.raises(vr.InputError, match="passes no complete maximum"):
         run.decrement("beam.end", axis="z")
+    hanging = vr.Run(
+        swing(zeta=0.05, rest=-0.3)
+    )  # swings below 0, as a weight does that is let go above its rest
+    assert hanging.decrement("beam.end", "y").damping_ratio == pytest.approx(0.05, abs=1e-5)
+    assert hanging.decrement("beam.end", "y").damping_ratio == pytest.approx(
+        hanging.decay("beam.end", "y").damping_ratio, rel=1e-12
+    )
     with pytest.raises(vr.InputError, match="axis = 'w' is not a global axis"):
         run.decrement("beam.end", axis="w")
 

@@ -1,5 +1,7 @@
 """Pictures of models of micrometres with many parts: prefixes on axes, names beside their rods, bodies, legends."""
 
+import re
+
 import numpy as np
 import pytest
 
@@ -161,3 +163,31 @@ def test_what_hardly_leaves_its_line_is_drawn_larger():
     bent = model.equilibrium().plot().axes[0]
     assert bent.get_aspect() == 1.0
     assert "enlarged" not in bent.get_title(loc="left")
+
+
+def test_what_rounding_leaves_of_a_damping_ratio_is_not_drawn():
+    """Undamped blades turn with damping ratios of 0, in the picture and in the table."""
+    model = vr.Model()
+    glass = vr.Material(30e9, 0.3, 1900.0)
+    blade = vr.Rod.straight((1, 0, 0), (13, 0, 0), section=vr.Rectangle(0.9, 0.3), material=glass, elements=2)
+    model.add("blade", blade)
+    model.clamp("blade.start")
+    diagram = model.campbell(axis=(0, 0, 1), band=(0.0, 6.0), count=3, modes=2, engine_orders=(3.0,))
+    assert np.abs(diagram.damping_ratios).max() > 0.0  # as computed
+    below = diagram.plot().axes[1]
+    assert [line.get_ydata().any() for line in below.lines[:2]] == [False, False]
+    assert re.search(r"bend_1 1 +\S+ +0 +\S+ +0 ", diagram.report())
+
+
+def test_a_section_of_micrometres_is_drawn_in_them():
+    silicon = vr.Material(160e9, 0.22, 2330.0)
+    model = vr.Model()
+    section = vr.Rectangle("10 um", "2 um")
+    model.add(
+        "beam", vr.Rod.straight((0, 0, 0), (200e-6, 0, 0), section=section, material=silicon, elements=2)
+    )
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0, 1e-6))
+    axes = model.equilibrium().plot_stress(place="beam.start").axes[0]
+    assert axes.get_xlabel() == "d1 [µm]"
+    assert axes.get_xlim() == pytest.approx((-5.0, 5.0), rel=0.2)

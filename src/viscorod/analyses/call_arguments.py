@@ -19,6 +19,7 @@ from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.casefile.case_keys import parts_of
 from viscorod.checks import file_path, flag, require_callback, text
 from viscorod.errors import Fault, InputError
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Check, Key
@@ -168,7 +169,7 @@ class Progressing(Watched):
 class Differentiated(Titled):
     """Arguments of analyses whose results have derivatives."""
 
-    derivatives: Annotated[tuple[str, ...], _kept("derivatives", "keys", _keys)] = Key(
+    derivatives: Annotated[GivenAs[tuple[str, ...], Words], _kept("derivatives", "keys", _keys)] = Key(
         "keys of numbers of the model, such as `loads[0].value[1]`, by which all of the result is differentiated: "
         "`result.derivatives[key]`",
         default=(),
@@ -187,7 +188,7 @@ class PathArguments(PathSettings, Progressing):
 class SimulateArguments(SimulateSettings, Progressing, Differentiated):
     """Arguments of ``Model.simulate``."""
 
-    folder: Annotated[Path | None, _kept("folder", "a path", _folder)] = Key(
+    folder: Annotated[GivenAs[Path | None, str | Path | None], _kept("folder", "a path", _folder)] = Key(
         "where the states go as they come, so that memory stays bounded and a run that is stopped can go on; "
         "``run.nc`` is there in the end. Without it everything stays in memory",
         default=None,

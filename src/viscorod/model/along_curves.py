@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeAlias
 
 from viscorod.checks import known_arguments
+from viscorod.given_as import Amount, Amounts
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
@@ -18,7 +19,7 @@ from viscorod.typing import Floats
 
 __all__ = ["AlongCurves"]
 
-Point: TypeAlias = Sequence[float]
+Point: TypeAlias = Amounts
 
 
 @known_arguments
@@ -51,8 +52,8 @@ class AlongCurves(ABC):
         start: Point,
         tangent: Point,
         normal: Point,
-        radius: float,
-        angle: float,
+        radius: Amount,
+        angle: Amount,
         *,
         section: SectionProfile,
         material: Material | None = None,
@@ -72,9 +73,9 @@ class AlongCurves(ABC):
     @classmethod
     def helix(
         cls,
-        radius: float,
-        pitch: float,
-        turns: float,
+        radius: Amount,
+        pitch: Amount,
+        turns: Amount,
         centre: Point = (0.0, 0.0, 0.0),
         axis: Point = (0.0, 0.0, 1.0),
         phase: float = 0.0,

@@ -11,6 +11,7 @@ import numpy as np
 from pydantic import model_validator
 
 from viscorod.errors import Fault, InputError
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.along_curves import AlongCurves
 from viscorod.model.cable import with_direction
 from viscorod.model.centrelines.centreline import Centreline, Twist
@@ -86,7 +87,7 @@ class Rod(AlongCurves, Definition):
         "rad",
         default=0.0,
     )
-    constraints: Annotated[tuple[str, ...], constraint_words] = Key(
+    constraints: Annotated[GivenAs[tuple[str, ...], Words], constraint_words] = Key(
         'strains that keep their reference values at all times: "unshearable" (both shears), '
         '"inextensible" (the stretch), "kirchhoff" (all three), or a list of these and of the strain '
         "words shear_1, shear_2, stretch, bend_1, bend_2, twist",

@@ -151,7 +151,21 @@ def legend_over(axes: Axes, columns: int) -> None:
     legend_above(axes, columns)
     title = axes.get_title(loc="left")
     rows = -(-len(names) // columns)
-    axes.set_title(title, loc="left", fontsize=TEXT, color=INK, pad=8.0 + 1.45 * SMALL * rows)
+    pad = 8.0 + 1.45 * SMALL * rows
+    axes.set_title(title, loc="left", fontsize=TEXT, color=INK, pad=pad)
+    _keep_within(axes, pad + 1.3 * TEXT)
+
+
+def _keep_within(axes: Axes, above: float) -> None:
+    """Lower the panels of a picture of ours until ``above`` [points] fit between the axes and its title or its edge."""
+    from viscorod.pictures.picture import Picture
+
+    picture = axes.figure
+    if isinstance(picture, Picture):  # a figure of the user's stays as it is
+        needed = above + (2.2 * (TEXT + 2.0) if picture.get_suptitle() else 4.0)
+        top = 1.0 - needed / (72.0 * picture.get_figheight())
+        if axes.get_position().y1 > top:
+            picture.subplots_adjust(top=top)
 
 
 def legend_inside(axes: Axes) -> None:

@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.results.followed_modes import FollowedModes, error_text
 from viscorod.results.stateless_result import Variables
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import number, scaled
 from viscorod.results.text_table import table
 from viscorod.typing import Floats
 
@@ -133,7 +133,7 @@ class Campbell(FollowedModes):
                 f"{one.speed:.10g}",
                 f"{one.speed * 60.0 / (2.0 * np.pi):.8g}",
                 f"{factor * one.frequency:.6g}",
-                f"{one.damping_ratio:.4g}",
+                number(one.damping_ratio, 4, size=1.0),
                 error_text(one.mesh_error),
             ]
             for one in self.critical_speeds

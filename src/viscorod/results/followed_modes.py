@@ -13,7 +13,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import above_rounding, scaled
 from viscorod.results.text_table import listed, page, table
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
@@ -181,7 +181,7 @@ class FollowedModes(StatelessResult):
         """Return the first line, after the title."""
 
     def _modes(self) -> str:
-        f, d = self.frequencies, self.damping_ratios
+        f, d = self.frequencies, above_rounding(self.damping_ratios)
         first, last = (f"{value:.5g}" for value in self.values[[0, -1]])
         factor, hertz = scaled("Hz", f[[0, -1]])
         rows = [

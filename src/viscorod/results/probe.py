@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.given_as import Amount, Amounts
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.results.array_pieces import in_states
 from viscorod.results.between_records import Instants
@@ -33,7 +34,7 @@ FIELDS = ("strain", "section_force", "dissipation")
 def probed(
     result: Result,
     places: Places,
-    s: Sequence[float] | Floats | float | None = None,
+    s: Amount | Amounts | None = None,
     instants: Instants | None = None,
 ) -> xr.Dataset:
     """Return the fields of a result at places, in stored states or at instants; see ``Result`` and ``Run.probe``."""
@@ -169,7 +170,7 @@ def _about(name: str) -> dict[str, str]:
     return {"units": unit, "long_name": text}
 
 
-def _sites(result: Result, places: Places, s: Sequence[float] | Floats | float | None) -> list[ResultPlace]:
+def _sites(result: Result, places: Places, s: Amount | Amounts | None) -> list[ResultPlace]:
     if s is not None:
         if not isinstance(places, str) or places not in result.sites.rods:
             raise InputError(

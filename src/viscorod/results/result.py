@@ -3,15 +3,15 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.given_as import Amount, Amounts
 from viscorod.results.recorded_states import Quantity, RecordedStates
-from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -51,7 +51,7 @@ class Result(RecordedStates, ABC):
         places: Places,
         quantity: Quantity = "position",
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
     ) -> xr.DataArray:
         """Return how a quantity at a place, or at several, changes; see ``probe``, which returns all of them.
 
@@ -101,7 +101,7 @@ class Result(RecordedStates, ABC):
         self,
         places: Places,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
         quantity: Quantity | None = None,
     ) -> xr.Dataset:
         """Return everything at any places, by the element's own interpolation, in all stored states.

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 from functools import cached_property
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.given_as import Amount, Amounts
 from viscorod.results.between_records import step_ends
 from viscorod.results.data_schema import AXES
 from viscorod.results.decrement import Decrement, decrement
@@ -77,15 +78,15 @@ class Run(RunPictures):
 
     @checked
     def decrement(
-        self, place: str | int, axis: str, rest: float | None = 0.0, *, below: bool = False
+        self, place: str | int, axis: str, rest: float | None = None, *, below: bool = False
     ) -> Decrement:
         """Return period, amplitude and damping ratio of every cycle of a displacement.
 
         Args:
             place: "beam.end", "beam@0.15", "plate", "plate.corner" or the number of a station.
             axis: global axis "x", "y" or "z".
-            rest: displacement about which it swings [m]; None takes it from the extremes of the motion, also where it
-                creeps.
+            rest: displacement about which it swings [m]; left out, it is taken from the extremes of the motion, also
+                where it creeps, as the report does.
             below: minima bound the cycles instead of maxima.
 
         Raises:
@@ -172,9 +173,9 @@ class Run(RunPictures):
     def probe(
         self,
         places: Places,
-        times: float | Sequence[float] | Floats | None = None,
+        times: Amount | Amounts | None = None,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
         quantity: Quantity | None = None,
     ) -> xr.Dataset:
         """Return everything at any places and any times; see ``Result.probe`` for what is between stations.
@@ -209,9 +210,9 @@ class Run(RunPictures):
         self,
         places: Places,
         quantity: Quantity = "position",
-        times: float | Sequence[float] | Floats | None = None,
+        times: Amount | Amounts | None = None,
         *,
-        s: Sequence[float] | Floats | float | None = None,
+        s: Amount | Amounts | None = None,
     ) -> xr.DataArray:
         """Return how a quantity at a place, or at several, changes; see ``Result.history``.
 
@@ -228,7 +229,7 @@ class Run(RunPictures):
 
     @checked
     def stress(
-        self, place: str | int, points: Any = None, times: float | Sequence[float] | Floats | None = None
+        self, place: str | int, points: Any = None, times: Amount | Amounts | None = None
     ) -> xr.Dataset:
         """Return stress, strain and loss at points of the section at a place; see ``Result.stress``.
 

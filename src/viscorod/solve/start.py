@@ -9,6 +9,7 @@ from typing import Annotated, Any, Self
 from pydantic import model_validator
 
 from viscorod.checks import file_path
+from viscorod.given_as import GivenAs
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Accepts, Check, Key
@@ -89,7 +90,7 @@ def _source(value: Any) -> dict[str, Any]:
 
 
 OptionalStart = Annotated[
-    Start | None,
+    GivenAs[Start | None, Any],
     Check(
         of_kind("start"),
         "table, see below",

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from typing import Annotated, ClassVar, Literal, TypeAlias
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, ClassVar, Literal, TypeAlias
 
 from pydantic import BeforeValidator, Field
 
+from viscorod.given_as import Amount, GivenAs
 from viscorod.model.fields.definition import Definition
 from viscorod.model.fields.forms import listed, of_kind, quantity
 from viscorod.model.fields.metadata import TABLES, Accepts, Check, Key
@@ -41,7 +43,9 @@ class Crossing(Definition):
         '"x", "y", "z" (position, m), "ux", "uy", "uz" (displacement from the reference shape, m), '
         'or "vx", "vy", "vz" (velocity, m/s), global axes'
     )
-    value: Annotated[float, _value] = Key("that is crossed; {} or {}", "m", "m/s", default=0.0)
+    value: Annotated[GivenAs[float, Amount], _value] = Key(
+        "that is crossed; {} or {}", "m", "m/s", default=0.0
+    )
     direction: Annotated[str, one_of(*_DIRECTIONS)] = Key('"rising", "falling" or "both"', default="both")
     stop: Flag = Key("end the run there; otherwise every crossing is recorded", default=True)
 
@@ -101,7 +105,10 @@ EVENTS: dict[str, type[Definition]] = {"crossing": Crossing, "decayed": Decayed,
 
 
 Events = Annotated[
-    tuple[Annotated[AnyEvent, choose("kind", EVENTS)], ...],
+    GivenAs[
+        tuple[Annotated[AnyEvent, choose("kind", EVENTS)], ...],
+        Definition | Mapping[str, Any] | Sequence[Definition | Mapping[str, Any]],
+    ],
     BeforeValidator(items),
     Accepts(listed(of_kind("event")), TABLES),
 ]

@@ -7,6 +7,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.bodies.body_base import AXES, Shaped
 from viscorod.model.fields.directions import OptionalAxes, axes_from, columns
 from viscorod.model.fields.forms import POSITIVE, listed, quantity
@@ -27,7 +28,9 @@ class Box(Shaped):
     """A homogeneous box."""
 
     shape: Literal["box"] = Field(default="box", kw_only=True, repr=False)
-    sides: Annotated[Triple, _sides] = Key("lengths of the edges along the body's axes", "m")
+    sides: Annotated[GivenAs[Triple, Amounts], _sides] = Key(
+        "lengths of the edges along the body's axes", "m"
+    )
     axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     def volume(self) -> float:

@@ -6,6 +6,7 @@ from typing import Annotated, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
 
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint_base import AnyJoint
 from viscorod.model.connections.motion_words import MOTIONS, fixed_motions
@@ -94,7 +95,9 @@ class Joint(AnyJoint):
     """Leaves any of the six relative motions free."""
 
     kind: Literal["general"] = Field(default="general", kw_only=True, repr=False)
-    free: Annotated[tuple[str, ...], fixed_motions] = Key("motion words that are free", kw_only=True)
+    free: Annotated[GivenAs[tuple[str, ...], Words], fixed_motions] = Key(
+        "motion words that are free", kw_only=True
+    )
     axes: OptionalAxes = Key(
         "of the joint, carried by b: directions x and y, perpendicular, global components in the "
         "reference shape; by default the global axes",

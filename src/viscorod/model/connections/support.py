@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Literal, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.given_as import Amounts, GivenAs, Words
 from viscorod.model.connections.motion_words import (
     MOTIONS,
     fixed_motions,
@@ -32,7 +34,9 @@ class Support(AnySupport):
     """Any subset of the six motions."""
 
     kind: Literal["support"] = Field(default="support", kw_only=True, repr=False)
-    fixed: Annotated[tuple[str, ...], fixed_motions] = Key("motion words that stay zero", default=())
+    fixed: Annotated[GivenAs[tuple[str, ...], Words], fixed_motions] = Key(
+        "motion words that stay zero", default=()
+    )
     motion: MotionField = Key(
         "motion words with functions of time ({} or {}). Rotations may be of any size; free ones are measured from "
         "where the prescribed ones alone would turn the place",
@@ -44,7 +48,9 @@ class Support(AnySupport):
     frame: Annotated[Literal["global", "node"], one_of("global", "node")] = Key(
         '"global" axes, or "node": the rod\'s d1, d2, d3 at the place', default="global"
     )
-    axes: Annotated[tuple[Triple, Triple] | None, optional(two_directions)] = Key(
+    axes: Annotated[
+        GivenAs[tuple[Triple, Triple] | None, Sequence[Amounts] | None], optional(two_directions)
+    ] = Key(
         "other axes for the motion words: directions x and y, perpendicular, global components (z = x cross y)",
         default=None,
     )

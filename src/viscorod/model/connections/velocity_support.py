@@ -7,6 +7,7 @@ from typing import Annotated, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_function_kinds import time_function
 from viscorod.model.connections.motion_words import (
@@ -59,7 +60,7 @@ class VelocitySupport(AnySupport):
 
     unused: ClassVar[tuple[str, ...]] = ("motion",)  # positions are free
     kind: Literal["body_velocity"] = Field(default="body_velocity", kw_only=True, repr=False)
-    fixed: Annotated[tuple[str, ...], fixed_velocities] = Key(
+    fixed: Annotated[GivenAs[tuple[str, ...], Words], fixed_velocities] = Key(
         "velocity words v1, v2, v3 (m/s), w1, w2, w3 (rad/s) that stay zero", default=()
     )
     velocity: Annotated[Motion, velocity_functions] = Key(

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any, TypedDict, Unpack
 
 from viscorod.checks import known_arguments
+from viscorod.given_as import Amount
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint import Ball, Rigid, Universal, joint
 from viscorod.model.connections.joint_base import AnyJoint
@@ -96,7 +97,7 @@ class Joined:
         to: str | Vector,
         stiffness: Law = 0.0,
         damping: Law = 0.0,
-        length: float | None = None,
+        length: Amount | None = None,
         *,
         name: str | None = None,
     ) -> None:

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 
 from viscorod.checks import known_arguments
+from viscorod.given_as import Amount
 from viscorod.model.actions.load import (
     AnyLoad,
     DistributedForce,
@@ -33,7 +34,7 @@ class Loaded:
         value: Vector,
         following: bool = False,
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         *,
         name: str | None = None,
     ) -> None:
@@ -51,7 +52,7 @@ class Loaded:
         value: Vector,
         following: bool = False,
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         *,
         name: str | None = None,
     ) -> None:
@@ -69,10 +70,10 @@ class Loaded:
         value: Vector | Callable[[float], Vector],
         following: bool = False,
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         *,
-        from_s: float | None = None,
-        to_s: float | None = None,
+        from_s: Amount | None = None,
+        to_s: Amount | None = None,
         name: str | None = None,
     ) -> None:
         """Load a rod with a force per length, N/m; see `DistributedForce`."""
@@ -94,10 +95,10 @@ class Loaded:
         value: Vector | Callable[[float], Vector],
         following: bool = False,
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         *,
-        from_s: float | None = None,
-        to_s: float | None = None,
+        from_s: Amount | None = None,
+        to_s: Amount | None = None,
         name: str | None = None,
     ) -> None:
         """Load a rod with a moment per length, N m/m; see `DistributedMoment`."""
@@ -117,7 +118,7 @@ class Loaded:
         self,
         acceleration: Vector = (0.0, 0.0, -9.81),
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         *,
         name: str | None = None,
     ) -> None:
@@ -131,12 +132,12 @@ class Loaded:
         rod: str,
         value: Vector,
         *,
-        speed: float | None = None,
+        speed: Amount | None = None,
         position: Time = None,
-        start: float | None = None,
+        start: Amount | None = None,
         following: bool = False,
         time: Time = None,
-        until: float | None = None,
+        until: Amount | None = None,
         name: str | None = None,
     ) -> None:
         """Load a rod with a force that travels along it; see `MovingForce`."""
@@ -151,18 +152,18 @@ class Loaded:
         self,
         rod: str,
         *,
-        linear_across: float = 0.0,
-        linear_along: float = 0.0,
-        linear_about: float = 0.0,
-        coefficient_across: float | None = None,
-        coefficient_along: float | None = None,
-        density: float | None = None,
-        width: float | None = None,
+        linear_across: Amount = 0.0,
+        linear_along: Amount = 0.0,
+        linear_about: Amount = 0.0,
+        coefficient_across: Amount | None = None,
+        coefficient_along: Amount | None = None,
+        density: Amount | None = None,
+        width: Amount | None = None,
         velocity: Vector = (0.0, 0.0, 0.0),
         time: Time = None,
-        until: float | None = None,
-        from_s: float | None = None,
-        to_s: float | None = None,
+        until: Amount | None = None,
+        from_s: Amount | None = None,
+        to_s: Amount | None = None,
         name: str | None = None,
     ) -> None:
         """Let the medium around a rod resist its motion, or flow past it; see `Drag`."""

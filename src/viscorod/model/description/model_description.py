@@ -7,6 +7,7 @@ from typing import Any, Self
 
 from viscorod.attributes import ByName
 from viscorod.errors import Fault, InputError
+from viscorod.given_as import Amount
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import AnyLoad
@@ -138,7 +139,7 @@ class ModelDescription(OwnParts, Held, Loaded, Joined):
         *,
         stations: Sequence[float] | None = None,
         values: Sequence[Sequence[float]] | None = None,
-        temperature: float | None = None,
+        temperature: Amount | None = None,
         gradient: Sequence[float] | None = None,
     ) -> None:
         """Give a rod the strain at which it is free of stress, in time; see `RestStrain`."""

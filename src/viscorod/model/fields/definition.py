@@ -83,7 +83,7 @@ else:
             except AttributeError:
                 if name.startswith("_") or name in _INHERITED:
                     raise
-                raise UnknownAttributeError.of(cls, name, lambda: dir(cls), called=cls.__name__) from None
+                raise UnknownAttributeError.of(cls, name, called=cls.__name__) from None
 
 
 _INHERITED = frozenset(dir(BaseModel))

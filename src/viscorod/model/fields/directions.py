@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Annotated, Any, TypeAlias
 
 import numpy as np
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import listed
 from viscorod.model.fields.metadata import accepts, optional
@@ -64,5 +66,5 @@ def axes_from(first: Triple) -> Floats:
     return np.column_stack([x, y, np.cross(x, y)])
 
 
-TwoDirections = Annotated[Pair, two_directions]
-OptionalAxes = Annotated[Pair | None, optional(axes_of)]
+TwoDirections = Annotated[GivenAs[Pair, Sequence[Amounts]], two_directions]
+OptionalAxes = Annotated[GivenAs[Pair | None, Sequence[Amounts] | None], optional(axes_of)]

@@ -13,6 +13,7 @@ from typing import Annotated, Any, TypeAlias, TypeVar
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.given_as import Amount, Amounts, GivenAs
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import Definition, RefusedError, at_key, did_you_mean, show
 from viscorod.model.fields.forms import NAME, POSITIVE, TEXT, Form, listed, quantity
@@ -336,20 +337,20 @@ def choose(
 
 non_negative = bounded(">= 0", minimum=0)
 
-Number = Annotated[float, amount]
-Positive = Annotated[float, positive]
-NonNegative = Annotated[float, non_negative]
+Number = Annotated[GivenAs[float, Amount], amount]
+Positive = Annotated[GivenAs[float, Amount], positive]
+NonNegative = Annotated[GivenAs[float, Amount], non_negative]
 Proportion = Annotated[float, bounded("above 0 and below 1", exclusiveMinimum=0, exclusiveMaximum=1)]
 OptionalUnitInterval = Annotated[float | None, optional(bounded("from 0 to 1", minimum=0, maximum=1))]
 PoissonsRatio = Annotated[
     float, bounded("> -1 and <= 0.5 (0.5 is incompressible)", exclusiveMinimum=-1, maximum=0.5)
 ]
-OptionalPositive = Annotated[float | None, optional(positive)]
-OptionalNonNegative = Annotated[float | None, optional(non_negative)]
-OptionalNumber = Annotated[float | None, optional(amount)]
-Vector = Annotated[Triple, vector]
-Direction = Annotated[Triple, direction]
-OptionalDirection = Annotated[Triple | None, optional(direction)]
+OptionalPositive = Annotated[GivenAs[float | None, Amount | None], optional(positive)]
+OptionalNonNegative = Annotated[GivenAs[float | None, Amount | None], optional(non_negative)]
+OptionalNumber = Annotated[GivenAs[float | None, Amount | None], optional(amount)]
+Vector = Annotated[GivenAs[Triple, Amounts], vector]
+Direction = Annotated[GivenAs[Triple, Amounts], direction]
+OptionalDirection = Annotated[GivenAs[Triple | None, Amounts | None], optional(direction)]
 Flag = Annotated[bool, true_or_false]
 Text = Annotated[str, word]
 OptionalText = Annotated[str | None, optional(word)]

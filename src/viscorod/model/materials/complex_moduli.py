@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, of_kind, quantity
@@ -58,8 +59,8 @@ def _column(value: Any) -> tuple[float, ...]:
     return items
 
 
-Column = Annotated[Sequence[float] | None, optional(_column)]
-Band = Annotated[tuple[float, float] | None, optional(frequency_band)]
+Column = Annotated[GivenAs[Sequence[float] | None, Amounts | None], optional(_column)]
+Band = Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(frequency_band)]
 
 
 class ModulusTable(Definition):

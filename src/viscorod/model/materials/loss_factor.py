@@ -9,6 +9,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self, TypeAlias
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.given_as import Amount, Amounts, GivenAs
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
@@ -78,8 +79,8 @@ def _within(value: Any) -> float:
     return error
 
 
-Frequency = Annotated[Numbers, optional(_frequency)]
-Loss = Annotated[Numbers, optional(_loss)]
+Frequency = Annotated[GivenAs[Numbers, Amount | Amounts | None], optional(_frequency)]
+Loss = Annotated[GivenAs[Numbers, Amount | Amounts | None], optional(_loss)]
 
 
 class LossFactor(Damping):
@@ -105,7 +106,7 @@ class LossFactor(Damping):
     bulk: Loss = Key(
         "loss factor in volume change, with shear and in place of extension; a list of a table", default=None
     )
-    band: Annotated[tuple[float, float] | None, optional(frequency_band)] = Key(
+    band: Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(frequency_band)] = Key(
         "lowest and highest frequency over which the loss factor holds, {}; of a table left out, the whole table",
         "Hz",
         default=None,

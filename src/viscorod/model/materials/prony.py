@@ -10,6 +10,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import Field, model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, Form, listed, quantity
@@ -50,8 +51,8 @@ def _numbers(allowed: str, low: float, bounds: Form) -> Check[tuple[float, ...]]
 _moduli = _numbers(">= 0", 0.0, NOT_NEGATIVE)
 _times = _numbers("> 0", SMALLEST_NUMBER, POSITIVE)
 
-Moduli = Annotated[Series | None, optional(_moduli)]
-Times = Annotated[Series | None, optional(_times)]
+Moduli = Annotated[GivenAs[Series | None, Amounts | None], optional(_moduli)]
+Times = Annotated[GivenAs[Series | None, Amounts | None], optional(_times)]
 REFERENCES = ("equilibrium", "instantaneous")
 
 
@@ -96,7 +97,7 @@ class Prony(Damping):
         '"maxwell" keeps every branch; "kelvin_voigt" replaces them by one viscosity, that of slow motion',
         default="maxwell",
     )
-    band: Annotated[tuple[float, float] | None, optional(frequency_band)] = Key(
+    band: Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(frequency_band)] = Key(
         'lowest and highest frequency of the motion, {}: with the law "kelvin_voigt", moduli and viscosities are then '
         "those nearest to the Prony series over this band, not those of slow motion",
         "Hz",

@@ -23,6 +23,7 @@ from viscorod.pictures.style import (
     headline,
     legend_above,
 )
+from viscorod.results.text_numbers import above_rounding
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -42,6 +43,7 @@ MARKS = 9
 """Marks of whirl on a line."""
 APART = 0.042
 """Least distance of two labels, as a part of the height of a panel."""
+TINY = float(np.finfo(float).tiny)
 OVERDAMPED = 0.9
 """Damping ratio from which on a mode may leave the picture."""
 
@@ -63,6 +65,8 @@ def draw_campbell(result: Campbell, ax: Axes | None = None) -> Figure:
             fontsize=SMALL - 1.0,
             color=GREY,
             ha="right",
+            bbox={"facecolor": "white", "edgecolor": "none", "alpha": 0.75, "pad": 0.6},
+            zorder=5,
         )
     above.set_ylim(0.0, top)
     _mark_whirl(result, above, f)
@@ -109,7 +113,11 @@ def followed_panels(
     else:
         picture, above, panels = within(ax), ax, [ax]
     values, f = result.values, result.frequencies
-    shown = result.eigenvalues.real if growth else 100.0 * result.damping_ratios
+    if growth:
+        size = np.maximum(np.abs(result.eigenvalues), TINY)
+        shown = above_rounding(result.eigenvalues.real / size) * size
+    else:
+        shown = 100.0 * above_rounding(result.damping_ratios)
     for axes, curves in zip(panels, (f, shown), strict=False):
         for k in range(len(result.modes)):
             line: dict[str, Any] = {"color": COLOURS[k % len(COLOURS)], "linewidth": 1.6}

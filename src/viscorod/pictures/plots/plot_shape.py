@@ -28,12 +28,12 @@ def draw_shape(equilibrium: Equilibrium | Steady, ax: Axes | None = None) -> Fig
     picture = figure(8.0, 6.4)
     if equilibrium.title:
         headline(picture, equilibrium.title)
-    draw_shapes(picture.add_subplot(), equilibrium)
+    draw_shapes(picture.add_subplot(), equilibrium, columns=4)
     return picture
 
 
-def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
-    """Draw the shapes into an axes."""
+def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady, columns: int = 2) -> None:
+    """Draw the shapes into an axes, with so many columns in their legend."""
     positions = equilibrium.field("position")
     reference = np.asarray(equilibrium.data["reference_position"].values, dtype=float)
     rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
@@ -60,4 +60,4 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady) -> None:
         assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
     mark_supports(axes, view, equilibrium, positions[-1])
     view.finish(axes)
-    legend_over(axes, 2)
+    legend_over(axes, columns)

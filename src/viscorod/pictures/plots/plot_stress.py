@@ -17,7 +17,7 @@ from viscorod.pictures.style import (
 )
 from viscorod.results.reports.report_parts import load_level
 from viscorod.results.stress import section_patch
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import quantity, scaled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -28,6 +28,8 @@ if TYPE_CHECKING:
 
 ARROWS = 130
 """About how many arrows show the shear stress."""
+MILLIMETRES = 9e-3
+"""A length [m] that is told in mm, as those of all sections are whose size is below a metre and no smaller."""
 
 
 def draw_stress(
@@ -65,7 +67,8 @@ def draw_stress(
             wspace=0.3,
             hspace=0.9 / (5.5 * height / width),
         )
-    length, unit = (1e3, "mm") if np.abs(patch.points).max() < 1.0 else (1.0, "m")
+    reach = float(np.abs(patch.points).max())
+    length, unit = scaled("m", reach if reach >= 1.0 else min(reach, MILLIMETRES))
     points = length * patch.points
     grid = Triangulation(points[:, 0], points[:, 1], patch.triangles)
     across, along = np.linalg.norm(patch.stress[:, :2], axis=1), patch.stress[:, 2]
@@ -116,7 +119,7 @@ def draw_stress(
     if ax is not None:
         return picture
     level = {
-        "time": f" at {patch.level:.4g} s",
+        "time": f" at {quantity(patch.level, 's', 4)}",
         "load_factor": f" under {load_level(patch.level)}",
         "spin": f" at {patch.level:.4g} rad/s",
     }[result.dimension]

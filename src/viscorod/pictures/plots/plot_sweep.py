@@ -54,6 +54,10 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
     table = table[table["outcome"] == "completed"]
     if not len(table):
         raise InputError("no member of this sweep was computed to its end; its report says why")
+    listed = [key for key in sweep.parameters if table[key].dtype.kind not in "biuf"]
+    table = table.assign(
+        **{key: [_text(one) for one in table[key]] for key in listed}
+    )  # a list sorts into no group
     x = _one_of("x", x, sweep.parameters)
     known = _numbers(sweep, table)
     asked = [one for one in known if one in sweep.quantities]

@@ -17,7 +17,7 @@ from viscorod.results.reports.report_parts import (
     vector,
     warnings,
 )
-from viscorod.results.text_numbers import quantity
+from viscorod.results.text_numbers import above_rounding, quantity
 from viscorod.results.text_table import numbers, page, tabulated, words
 
 if TYPE_CHECKING:
@@ -69,7 +69,7 @@ def _small_motions(steady: Steady) -> str:
             ("Re s", "Im s"), "1/s", np.stack([steady.eigenvalues.real, steady.eigenvalues.imag], axis=-1)
         ),
         numbers(("frequency",), "Hz", steady.frequencies),
-        numbers(("damping ratio",), "", steady.damping_ratios),
+        numbers(("damping ratio",), "", above_rounding(steady.damping_ratios)),
     )
     verdict = (
         "Stable: no small motion grows"

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import Flag, Number, different, whole_number, word
@@ -18,7 +19,7 @@ def _names(value: Any) -> tuple[str, ...]:
     return different(value, word, "load")
 
 
-ConstantNames = Annotated[tuple[str, ...], _names]
+ConstantNames = Annotated[GivenAs[tuple[str, ...], Words], _names]
 """What acts in full throughout."""
 
 

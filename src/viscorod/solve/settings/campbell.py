@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -70,17 +71,17 @@ class CampbellSettings(Meshed):
     needs: ClassVar[str] = "an axis and a band"
 
     axis: Direction = Key("about which the supports turn with the model, global axes, by the right-hand rule")
-    speeds: Annotated[Sequence[float] | None, optional(_speeds)] = Key(
+    speeds: Annotated[GivenAs[Sequence[float] | None, Amounts | None], optional(_speeds)] = Key(
         "angular speeds, increasing, {}", "rad/s", default=None
     )
-    band: Annotated[tuple[float, float] | None, optional(_band)] = Key(
+    band: Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(_band)] = Key(
         "lowest and highest angular speed, {}, between which there are `count` speeds", "rad/s", default=None
     )
     count: Annotated[int, whole_number(2, MOST)] = Key("number of speeds in the `band`", default=41)
     modes: Annotated[int, whole_number(1, 200)] = Key(
         "number of modes that are followed, 1 to 200", default=8
     )
-    engine_orders: Annotated[tuple[float, ...], _orders] = Key(
+    engine_orders: Annotated[GivenAs[tuple[float, ...], Amounts], _orders] = Key(
         "multiples of the speed at which something excites: critical speeds are where a frequency is one of them",
         default=(1.0,),
     )
@@ -90,7 +91,7 @@ class CampbellSettings(Meshed):
         "the axis",
         default="turning",
     )
-    centre: Annotated[Triple | None, optional(vector)] = Key(
+    centre: Annotated[GivenAs[Triple | None, Amounts | None], optional(vector)] = Key(
         "a point on the axis, {}; the origin unless given", "m", default=None
     )
 

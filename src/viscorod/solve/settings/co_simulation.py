@@ -6,6 +6,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import model_validator
 
+from viscorod.given_as import GivenAs, Words
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts
@@ -29,7 +30,7 @@ def _ports(value: Any) -> tuple[str, ...]:
 
 
 class _Ports(Definition):
-    ports: Annotated[tuple[str, ...], _ports] = Key(
+    ports: Annotated[GivenAs[tuple[str, ...], Words], _ports] = Key(
         'places where the other program acts, such as "beam.end"', default=()
     )
 

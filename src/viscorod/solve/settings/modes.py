@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import Annotated, Any
 
+from viscorod.given_as import GivenAs
 from viscorod.model.fields.forms import of_kind
 from viscorod.model.fields.metadata import Key, accepts
 from viscorod.model.fields.values import (
@@ -34,7 +35,7 @@ def _about(value: Any) -> str | Start:
     return found
 
 
-AboutField = Annotated[str | Start, _about]
+AboutField = Annotated[GivenAs[str | Start, Any], _about]
 
 
 class ModesSettings(Meshed):

@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -48,7 +49,7 @@ def _phases(value: Any) -> tuple[float, ...]:
     return numbers([value] if isinstance(value, int | float) else value)
 
 
-Range = Annotated[tuple[float, float] | None, optional(_range)]
+Range = Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(_range)]
 
 
 class PeriodicSettings(Meshed):
@@ -68,7 +69,7 @@ class PeriodicSettings(Meshed):
         "what they are at t = 0",
         default=None,
     )
-    amplitudes: Annotated[tuple[float, ...] | None, optional(_amplitudes)] = Key(
+    amplitudes: Annotated[GivenAs[tuple[float, ...] | None, Amounts | None], optional(_amplitudes)] = Key(
         "of the inputs, plain numbers > 0, each in its SI unit (N, N m, m, rad, m/s, m/s^2, or the factor of a load)",
         default=None,
     )

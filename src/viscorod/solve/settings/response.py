@@ -7,6 +7,7 @@ from typing import Annotated, Any, ClassVar, Self
 
 from pydantic import model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -43,8 +44,8 @@ def _tolerance(value: Any) -> float:
     return found
 
 
-Frequencies = Annotated[Sequence[float] | None, optional(_frequencies)]
-Band = Annotated[tuple[float, float] | None, optional(frequency_band)]
+Frequencies = Annotated[GivenAs[Sequence[float] | None, Amounts | None], optional(_frequencies)]
+Band = Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(frequency_band)]
 
 
 class _Ported(Definition):

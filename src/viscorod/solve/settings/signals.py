@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeAlias
 
+from viscorod.given_as import GivenAs
 from viscorod.model.actions.load import Force, Moment, load
 from viscorod.model.actions.load_base import AnyLoad
 from viscorod.model.connections.place import place_text
@@ -182,6 +183,10 @@ def _outputs(value: Any) -> tuple[Output, ...]:
     return _several(value, as_output)
 
 
-InputsField = Annotated[tuple[SignalInput, ...], _inputs]
-OptionalInputsField = Annotated[tuple[SignalInput, ...] | None, optional(_inputs)]
-OutputsField = Annotated[tuple[Output, ...], _outputs]
+Signal: TypeAlias = str | Mapping[str, Any] | AnyLoad | LoadInput | MotionInput | Output
+"""As it is given: text, a table, an object."""
+InputsField = Annotated[GivenAs[tuple[SignalInput, ...], Signal | Sequence[Signal]], _inputs]
+OptionalInputsField = Annotated[
+    GivenAs[tuple[SignalInput, ...] | None, Signal | Sequence[Signal] | None], optional(_inputs)
+]
+OutputsField = Annotated[GivenAs[tuple[Output, ...], Signal | Sequence[Signal]], _outputs]

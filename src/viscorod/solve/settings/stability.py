@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Self
 import numpy as np
 from pydantic import model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -39,10 +40,10 @@ class StabilitySettings(Meshed):
 
     needs: ClassVar[str] = "a band"
 
-    load_factors: Annotated[Sequence[float] | None, optional(_factors)] = Key(
+    load_factors: Annotated[GivenAs[Sequence[float] | None, Amounts | None], optional(_factors)] = Key(
         "multiples of the loads that grow, increasing", default=None
     )
-    band: Annotated[tuple[float, float] | None, optional(_band)] = Key(
+    band: Annotated[GivenAs[tuple[float, float] | None, Amounts | None], optional(_band)] = Key(
         "lowest and highest load factor, between which there are `count` load factors", default=None
     )
     count: Annotated[int, whole_number(2, MOST)] = Key("number of load factors in the `band`", default=41)

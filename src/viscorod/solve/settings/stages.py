@@ -2,17 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from typing import Annotated, Any
+from collections.abc import Mapping, Sequence
+from typing import Annotated, Any, TypeAlias
 
 from pydantic import BeforeValidator
 
+from viscorod.given_as import Amount, GivenAs
 from viscorod.model.fields.definition import Definition, RefusedError, at_key
 from viscorod.model.fields.forms import TEXT, listed, of_kind
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts
 from viscorod.model.fields.values import each, items, number, word
 
 __all__ = ["Stage", "Stages"]
+
+
+Parts: TypeAlias = Sequence[str] | Mapping[str, Amount]
 
 
 @accepts(
@@ -37,12 +41,12 @@ class Stage(Definition):
     What it does not name stays as it is. A stage that names nothing takes all that no stage names.
     """
 
-    loads: Annotated[Mapping[str, float], _parts] = Key(
+    loads: Annotated[GivenAs[Mapping[str, float], Parts], _parts] = Key(
         "loads that grow to their whole, or to a part of it (0 takes them away), by their `name` or kind, such as "
         '"gravity"; `rest_strains` are one of them',
         default={},
     )
-    motions: Annotated[Mapping[str, float], _parts] = Key(
+    motions: Annotated[GivenAs[Mapping[str, float], Parts], _parts] = Key(
         'the same of prescribed motions: by place and motion word, such as "string.end.rx", by place alone, or by the '
         "name of a driven joint",
         default={},
@@ -50,6 +54,8 @@ class Stage(Definition):
 
 
 Stages = Annotated[
-    tuple[Stage, ...], BeforeValidator(items), Accepts(listed(of_kind("equilibrium.stage")), TABLES)
+    GivenAs[tuple[Stage, ...], Sequence[Stage | Mapping[str, Any]]],
+    BeforeValidator(items),
+    Accepts(listed(of_kind("equilibrium.stage")), TABLES),
 ]
 """A list of stages, or of tables that describe them."""

@@ -6,6 +6,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 
 from pydantic import model_validator
 
+from viscorod.given_as import Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import listed, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -56,7 +57,7 @@ class EquilibriumSettings(Meshed):
         "stages, each from the equilibrium at the end of the one before: which loads and motions grow in it",
         default=(),
     )
-    load_factors: Annotated[tuple[float, ...], _factors] = Key(
+    load_factors: Annotated[GivenAs[tuple[float, ...], Amounts], _factors] = Key(
         "multiples of all loads and prescribed motions that are wanted, in this order, in place of load_factor and "
         "load_steps; exactly these are stored",
         default=(),
@@ -117,7 +118,7 @@ class PathSettings(Meshed):
     limit_point: Annotated[int | None, optional(whole_number(1, 1000))] = Key(
         "number of limit points at the last of which the path ends, 1 to 1000", default=None
     )
-    load_factors: Annotated[tuple[float, ...], _factors] = Key(
+    load_factors: Annotated[GivenAs[tuple[float, ...], Amounts], _factors] = Key(
         "load factors at which a point is wanted, each time the path passes one", default=()
     )
     branch: Annotated[int | None, optional(_branch)] = Key(

@@ -8,6 +8,7 @@ from typing import Annotated, Any, ClassVar, Literal, Self
 import numpy as np
 from pydantic import model_validator
 
+from viscorod.given_as import Amount, Amounts, GivenAs
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import POSITIVE, quantity
 from viscorod.model.fields.metadata import Key, accepts, optional
@@ -49,7 +50,7 @@ class SteadySettings(Meshed):
     needs: ClassVar[str] = "a spin"
     renamed: ClassVar[dict[str, str]] = {"about": "centre"}
 
-    spin: Annotated[float | Triple | None, optional(_spin)] = Key(
+    spin: Annotated[GivenAs[float | Triple | None, Amount | Amounts | None], optional(_spin)] = Key(
         "{}. Three numbers: the angular velocity, global axes, with which the supports turn, or about which a rod on "
         "a ball joint or without supports does. One number: how fast such a rod turns, about an axis that is found",
         "rad/s",
@@ -64,7 +65,7 @@ class SteadySettings(Meshed):
         "guess; without it a bent shape is sought",
         default=None,
     )
-    centre: Annotated[Triple | None, optional(vector)] = Key(
+    centre: Annotated[GivenAs[Triple | None, Amounts | None], optional(vector)] = Key(
         "a point on the axis of a given angular velocity, {}. Unless given it is the origin, for a "
         "rod that turns freely the ball joint or the mass centre",
         "m",
