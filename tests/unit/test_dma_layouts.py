@@ -184,7 +184,7 @@ def test_a_column_is_never_read_one_off(tmp_path):
         ("f (Hz);E' (GPa);E'' (MPa);tan d\n1;2;0.2;0.1\n", "in line 2 tan d is 0.1 and loss over storage 0.0001"),
         ("f (Hz);E' (MPa);E'' (MPa);tan d\n1;2;0.2;10\n", "in line 2 tan d is 10 and loss over storage 0.1"),
         ("f (Hz);E' (MPa);E'' (MPa);|E*| (MPa)\n1;2;0.2;0.2\n", "the size of storage and loss .* 2.01e"),
-        ("log f;log E';log E''\n0;6;5\n", "logarithms; write the frequencies and moduli themselves"),
+        ("log f;log E';log E''\n0;6;5\n", "logarithms, and not of which base.*name them log10 or ln"),
         ("f (Hz);E' (dB);E'' (dB)\n1;100;80\n", "the unit 'dB' of the column of storage modulus is not known"),
         ("f (Hz);E' (mm);E'' (MPa)\n1;100;80\n", "the unit 'mm'"),
         ("f (Hz);E' (Pa s);E'' (MPa)\n1;100;80\n", "the unit 'Pa s'"),

@@ -2,13 +2,17 @@
 
 import numpy as np
 import pytest
+from scipy.linalg import toeplitz
+from scipy.signal import lfilter
 
 import viscorod as vr
 from helpers.pictures import written
 from helpers.synthetic_results import swing
 from viscorod.cli.app import app
 from viscorod.records.damped_sines import fit_sines, pencil_poles
+from viscorod.records.sine_noise import FitNoise
 from viscorod.results.run import Run
+from viscorod.solve.estimation.noise import SeriesNoise
 
 FREQUENCY, RATIO = 2.0, 0.03
 TIMES = np.arange(200) * 0.025
@@ -29,10 +33,10 @@ def test_intervals_of_noisy_decays_hold():
     inside, ratios, widths = [], [], []
     for _ in range(200):
         fit = fit_sines(TIMES, sine(TIMES) + 0.2 + rng.normal(0.0, 0.05, len(TIMES)), start)
-        (f,), (z,), (df,), (dz,) = fit.ratios()
-        inside.append([abs(f - FREQUENCY) < 1.968 * df, abs(z - RATIO) < 1.968 * dz])
+        (f,), (z,), ((df,), (dz,)) = fit.frequencies, fit.ratios, fit.half_widths(0.95)
+        inside.append([abs(f - FREQUENCY) < df, abs(z - RATIO) < dz])
         ratios.append(z)
-        widths.append(dz)
+        widths.append(dz / 1.972)  # Student's quantile of 194 degrees of freedom
     assert np.mean(inside, axis=0) == pytest.approx([0.95, 0.95], abs=0.046)
     # and they are no wider than the scatter of the ratios
     assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.15)
@@ -50,20 +54,48 @@ def test_least_squares_scatters_less_than_the_matrix_pencil():
     assert squares < pencil < 2.0 * squares
 
 
-def test_correlated_noise_widens_intervals():
-    """Noise with the memory of an AR(1) process; intervals of white noise would be far too narrow."""
+def coloured(rng, count, memory, size):
+    """Noise of an AR(1) process with this standard deviation."""
+    kicks = rng.normal(0.0, size * np.sqrt(1.0 - memory**2), count + 100)
+    return lfilter([1.0], [1.0, -memory], kicks)[100:]
+
+
+def test_intervals_hold_in_coloured_noise():
+    """Within three binomial standard deviations; by the autocovariances of residuals 80 % of them held."""
     rng = np.random.default_rng(6)
-    times = np.arange(600) * 0.0125
-    inside, wide = [], []
-    for _ in range(50):
-        noise = np.zeros(len(times))
-        for k, kick in enumerate(rng.normal(0.0, 0.02, len(times))):
-            noise[k] = 0.9 * noise[k - 1] + kick
-        fit = fit_sines(times, sine(times) + noise, np.array([2j * np.pi * FREQUENCY - 0.4]))
-        inside.append(abs(fit.ratios()[1][0] - RATIO) < 1.96 * fit.ratios()[3][0])
-        wide.append(not fit.is_white)
-    assert np.mean(wide) > 0.95
-    assert np.mean(inside) > 0.88
+    start = np.array([2j * np.pi * FREQUENCY - 0.4])
+    inside = []
+    for _ in range(150):
+        fit = fit_sines(TIMES, sine(TIMES) + coloured(rng, len(TIMES), 0.9, 0.05), start)
+        off = np.abs(fit.frequencies[0] - FREQUENCY), np.abs(fit.ratios[0] - RATIO)
+        inside.append([one < width[0] for one, width in zip(off, fit.half_widths(0.95), strict=True)])
+    assert np.mean(inside, axis=0) == pytest.approx([0.95, 0.95], abs=0.053)
+
+
+def test_coloured_noise_is_no_further_mode():
+    """Bayes' criterion of white noise found slow modes in two of three such records."""
+    rng = np.random.default_rng(12)
+    for _ in range(5):
+        found = vr.decay(TIMES, sine(TIMES) + coloured(rng, len(TIMES), 0.9, 0.05), start=0.0)
+        assert len(found.frequencies) == 1
+        assert any("not white noise" in text for text in found.warnings)
+
+
+def test_intervals_of_coloured_noise_are_those_of_its_covariance():
+    """Least squares under an autoregression that is known: B' R B with R written out."""
+    rng = np.random.default_rng(13)
+    mixing = rng.normal(size=(40, 2))
+    noise = SeriesNoise(0.3, np.array([0.8, -0.3]), 1e-12 * np.eye(2))
+    first, second = 0.8 * (1.0 + 0.3), -0.3  # of r_t = a r_(t-1) + b r_(t-2)
+    rho = [1.0, first / (1.0 - second)]
+    for _ in range(38):
+        rho.append(first * rho[-1] + second * rho[-2])
+    covariance = 0.09 * mixing.T @ toeplitz(rho) @ mixing
+    told = FitNoise(mixing, noise, 1_000_000)
+    np.testing.assert_allclose(told.covariance, covariance, rtol=1e-12)
+    np.testing.assert_allclose(
+        told.half_widths(np.eye(2), 0.95), 1.95996 * np.sqrt(np.diag(covariance)), rtol=1e-5
+    )
 
 
 def test_two_modes_and_a_creeping_rest():
@@ -107,7 +139,7 @@ def test_ratio_that_depends_on_amplitude_is_told():
     assert ratio[clear] == pytest.approx(0.02 * (1.0 + size[clear]), rel=0.03)
     assert np.ptp(ratio[clear]) > 0.008
     assert any("the damping ratio is not one number" in text for text in found.warnings)
-    assert any("is not noise" in text for text in found.warnings)
+    assert any("is not white noise" in text for text in found.warnings)
 
 
 DOUBTS = {

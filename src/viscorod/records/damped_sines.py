@@ -4,29 +4,29 @@
 
 The matrix pencil (Hua and Sarkar, IEEE Trans. ASSP 38, 1990) gives poles without iteration; least squares with the
 linear coefficients eliminated (Golub and Pereyra 1973, derivatives of Kaufman 1975) makes them the likeliest under
-white noise, whose covariance attains the bound of Cramer and Rao. Where the residual is correlated, the covariance is
-that of least squares under such noise, with the autocovariances of the residual (Newey and West 1987).
+white noise, whose covariance attains the bound of Cramer and Rao. Coloured noise is in the intervals
+(`viscorod.records.sine_noise`), and in the criterion by which numbers of modes are compared.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.linalg import qr, solve_triangular
 from scipy.optimize import least_squares
-from scipy.stats import chi2
 
+from viscorod.records.sine_noise import FitNoise, colour_gain
+from viscorod.solve.estimation.noise import SeriesNoise, ljung_box
 from viscorod.typing import Floats
 
-__all__ = ["SineFit", "fit_sines", "pencil_poles", "residual_peak", "white"]
+__all__ = ["SineFit", "fit_sines", "pencil_poles", "residual_peak"]
 
 MOST_SAMPLES = 3000
 """Samples that the matrix pencil sees."""
 PENCIL = 150
 """Columns of its Hankel matrix at most."""
-LAGS = 20
-"""Lags of the test for correlated residuals."""
 LEVEL = 1e-3
 """Probability with which white noise is called correlated."""
 
@@ -41,10 +41,10 @@ class SineFit:
         rest: what it swings about, at the samples (n,).
         times: of the samples, from the first on (n,), s.
         model: at the samples (n,); residual: samples less model (n,).
-        covariance: of sigma_1, omega_1, sigma_2, ... (2 k, 2 k).
+        slopes: derivatives of the model by all numbers (n, m).
+        mixing: change of sigma_1, omega_1, sigma_2, ... over that of the samples (n, 2 k).
         freedom: samples less fitted numbers.
         noise: standard deviation of the residual.
-        is_white: whether the residual is not correlated.
         resting: "constant", "sloping" or "relaxing".
     """
 
@@ -54,38 +54,62 @@ class SineFit:
     times: Floats
     model: Floats
     residual: Floats
-    covariance: Floats
+    slopes: Floats
+    mixing: Floats
     freedom: int
     noise: float
-    is_white: bool
     resting: str
 
-    @property
+    @cached_property
     def information(self) -> float:
-        """Bayes' criterion: n ln(mean square residual) + numbers ln n."""
+        """Bayes' criterion: n ln(mean square of what the residual's past does not foretell) + numbers ln n."""
         count = len(self.times)
         used = count - self.freedom
-        return float(count * np.log(max(float(np.mean(self.residual**2)), 1e-300)) + used * np.log(count))
+        left, terms = colour_gain(self.residual)
+        square = max(float(np.mean(self.residual**2)), 1e-300)
+        return float(count * (np.log(square) + left) + (used + terms) * np.log(count))
+
+    @cached_property
+    def is_white(self) -> bool:
+        """Whether the residual is not correlated, by the test of Ljung and Box (1978)."""
+        return not self.residual.any() or ljung_box(self.residual)[1] > LEVEL
+
+    @cached_property
+    def told(self) -> FitNoise:
+        """The noise, and what it does to the poles."""
+        return FitNoise.of(self.residual, self.slopes, self.mixing)
 
     def mode(self, k: int) -> Floats:
         """Return one damped sine at the samples (n,)."""
         found: Floats = np.real(self.amplitudes[k] * np.exp(self.poles[k] * self.times))
         return found
 
-    def ratios(self) -> tuple[Floats, Floats, Floats, Floats]:
-        """Return natural frequencies [Hz], damping ratios, and standard deviations of both, (k,) each."""
-        size = np.abs(self.poles)
-        sigma, omega = -self.poles.real, self.poles.imag
-        deviations = []
-        for gradient in (
-            np.column_stack([sigma / size, omega / size]) / (2.0 * np.pi),
-            np.column_stack([omega**2, -sigma * omega]) / size[:, None] ** 3,
-        ):
-            square = [
-                g @ self.covariance[2 * k : 2 * k + 2, 2 * k : 2 * k + 2] @ g for k, g in enumerate(gradient)
-            ]
-            deviations.append(np.sqrt(np.maximum(square, 0.0)))
-        return size / (2.0 * np.pi), sigma / size, deviations[0], deviations[1]
+    @property
+    def frequencies(self) -> Floats:
+        """Natural frequencies, Hz (k,)."""
+        return np.asarray(np.abs(self.poles) / (2.0 * np.pi))
+
+    @property
+    def ratios(self) -> Floats:
+        """Damping ratios (k,)."""
+        return np.asarray(-self.poles.real / np.abs(self.poles))
+
+    def half_widths(self, level: float, alike: SeriesNoise | None = None) -> tuple[Floats, Floats]:
+        """Return half the widths of intervals of natural frequencies [Hz] and of damping ratios, (k,) each.
+
+        Args:
+            level: probability of an interval.
+            alike: noise whose colour is taken where there are too few samples for an own one.
+        """
+        known = self.told if alike is None else FitNoise.of(self.residual, self.slopes, self.mixing, alike)
+        size, sigma, omega = np.abs(self.poles), -self.poles.real, self.poles.imag
+        count = len(size)
+        frequency, ratio = np.zeros((count, 2 * count)), np.zeros((count, 2 * count))
+        at = np.arange(count)
+        frequency[at, 2 * at], frequency[at, 2 * at + 1] = sigma / size, omega / size
+        ratio[at, 2 * at], ratio[at, 2 * at + 1] = omega**2 / size**3, -sigma * omega / size**3
+        widths = known.half_widths(np.concatenate([frequency / (2.0 * np.pi), ratio]), level)
+        return widths[:count], widths[count:]
 
 
 def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "constant") -> SineFit | None:
@@ -134,7 +158,7 @@ def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "con
             if not (theta[1 : 2 * len(poles) : 2] > 0.1).all() or waves.rest_is_fast(theta):
                 return None
             full, coefficients, misfit = solved(theta)
-            return _with_covariance(waves, theta, full, coefficients, -misfit)
+            return _with_slopes(waves, theta, full, coefficients, -misfit)
         except (FloatingPointError, np.linalg.LinAlgError, ValueError):
             return None
 
@@ -184,7 +208,7 @@ class _Waves:
         return found
 
 
-def _with_covariance(
+def _with_slopes(
     waves: _Waves, theta: Floats, full: Floats, coefficients: Floats, residual: Floats
 ) -> SineFit | None:
     every = np.concatenate([full, waves.slopes(theta, full, coefficients)], axis=1)
@@ -196,48 +220,21 @@ def _with_covariance(
     if np.abs(np.diag(r)).min() < 1e-13 * np.abs(np.diag(r)).max():
         return None
     inverse = solve_triangular(r, np.eye(len(r))) / size[:, None]
-    noise = float(np.sqrt(residual @ residual / freedom))
-    is_white = white(residual)
-    covariance = noise**2 * inverse @ inverse.T if is_white else _correlated(inverse, q, residual, freedom)
-    tail = slice(full.shape[1], full.shape[1] + 2 * waves.count)
-    first = waves.resting
+    first, last = full.shape[1], full.shape[1] + 2 * waves.count
+    resting = waves.resting
     return SineFit(
         poles=(-theta[0 : 2 * waves.count : 2] + 1j * theta[1 : 2 * waves.count : 2]) / waves.span,
-        amplitudes=coefficients[first::2] - 1j * coefficients[first + 1 :: 2],
-        rest=full[:, :first] @ coefficients[:first],
+        amplitudes=coefficients[resting::2] - 1j * coefficients[resting + 1 :: 2],
+        rest=full[:, :resting] @ coefficients[:resting],
         times=waves.t,
         model=full @ coefficients,
         residual=residual,
-        covariance=covariance[tail, tail] / waves.span**2,
+        slopes=every,
+        mixing=q @ inverse[first:last].T / waves.span,
         freedom=freedom,
-        noise=noise,
-        is_white=is_white,
+        noise=float(np.sqrt(residual @ residual / freedom)),
         resting=waves.rest,
     )
-
-
-def white(residual: Floats) -> bool:
-    """Return whether residuals are not correlated, by the test of Ljung and Box (1978) over some lags."""
-    count = len(residual)
-    lags = min(LAGS, count // 4)
-    total = float(residual @ residual)
-    if lags < 2 or total == 0.0:
-        return True
-    rho = np.array([residual[k:] @ residual[: count - k] for k in range(1, lags + 1)]) / total
-    statistic = count * (count + 2.0) * float(np.sum(rho**2 / (count - np.arange(1, lags + 1))))
-    return bool(chi2.sf(statistic, lags) > LEVEL)
-
-
-def _correlated(inverse: Floats, q: Floats, residual: Floats, freedom: int) -> Floats:
-    """Return the covariance of least squares under noise with the autocovariances of the residual."""
-    count = len(residual)
-    reach = max(min(int(4.0 * (count / 100.0) ** (2.0 / 9.0)) * 5, count // 4), 1)
-    middle = (q * residual[:, None]).T @ (q * residual[:, None])
-    for lag in range(1, reach + 1):
-        weight = 1.0 - lag / (reach + 1.0)
-        product = (q[lag:] * residual[lag:, None]).T @ (q[:-lag] * residual[:-lag, None])
-        middle = middle + weight * (product + product.T)
-    return np.asarray(count / freedom * (inverse @ middle @ inverse.T))
 
 
 def pencil_poles(times: Floats, values: Floats, count: int) -> np.ndarray:

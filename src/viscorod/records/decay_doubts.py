@@ -30,7 +30,7 @@ def doubts(
     record: Record, part: Record, fit: SineFit, order: np.ndarray, pieces: dict[str, Floats]
 ) -> list[str]:
     """Return what is doubtful, one sentence each; see `viscorod.decay`."""
-    frequency, ratio, *_ = (column[order] for column in fit.ratios())
+    frequency, ratio = fit.frequencies[order], fit.ratios[order]
     span = float(fit.times[-1])
     first = float(frequency[0])
     unit = "" if record.name == "decay" else f" {record.unit}"
@@ -83,8 +83,9 @@ def doubts(
         )
     if not fit.is_white:
         found.append(
-            f"the residual of {fit.noise:.3g}{unit} is not noise (its samples are correlated): the model of damped "
-            "sines with constant ratios leaves something over; intervals are those of correlated noise"
+            f"the residual of {fit.noise:.3g}{unit} is not white noise (its samples are correlated): the noise is "
+            "coloured, which the intervals account for, or damped sines with constant ratios leave something over, "
+            "which they do not"
         )
     trend = _trend(pieces)
     if trend:

@@ -6,7 +6,6 @@ import json
 from typing import Any
 
 import numpy as np
-from scipy.stats import t as student
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import finite, increasing
@@ -49,8 +48,8 @@ def decay(
 
     Damped sines and a rest that may creep are fitted by least squares (`viscorod.records.damped_sines`); the number of
     modes is the one that Bayes' criterion prefers. Of the mode with the most energy, pieces of some cycles are fitted
-    again by themselves. Intervals account for noise, and for correlated residuals; they are those of this record, not
-    of the scatter between trials.
+    again by themselves. Intervals account for noise, white or coloured (`viscorod.records.sine_noise`); they are those
+    of this record, not of the scatter between trials.
 
     Args:
         source: a `Record`, a `Run` (with place and direction), or times, s (n,).
@@ -262,10 +261,8 @@ def _pieces(fit: SineFit, mode: int, cycles: int | None) -> dict[str, Floats]:
         found.append((middle, float(size), piece))
     columns: dict[str, list[float]] = {name: [] for name in PIECE}
     for middle, size, piece in found:
-        quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, piece.freedom))
-        frequency, ratio, *deviations = (float(column[0]) for column in piece.ratios())
-        widths = [quantile * deviation for deviation in deviations]
-        row = (middle, size, frequency, widths[0], ratio, widths[1])
+        wide, wider = (float(column[0]) for column in piece.half_widths(CONFIDENCE, fit.told.noise))
+        row = (middle, size, float(piece.frequencies[0]), wide, float(piece.ratios[0]), wider)
         for name, number in zip(PIECE, row, strict=True):
             columns[name].append(number)
     return {name: np.array(column) for name, column in columns.items()}
@@ -279,17 +276,16 @@ def _result(
 ) -> Decay:
     import xarray as xr
 
-    frequency, ratio, *deviations = (column[order] for column in fit.ratios())
-    quantile = float(student.ppf(0.5 + 0.5 * CONFIDENCE, fit.freedom))
+    widths = [column[order] for column in fit.half_widths(CONFIDENCE)]
     data = xr.Dataset(
         {
             "value": ("time", part.values),
             "model": ("time", fit.model),
             "rest": ("time", fit.rest),
-            "frequency": ("mode", frequency),
-            "frequency_width": ("mode", quantile * deviations[0]),
-            "damping_ratio": ("mode", ratio),
-            "damping_ratio_width": ("mode", quantile * deviations[1]),
+            "frequency": ("mode", fit.frequencies[order]),
+            "frequency_width": ("mode", widths[0]),
+            "damping_ratio": ("mode", fit.ratios[order]),
+            "damping_ratio_width": ("mode", widths[1]),
             "amplitude": ("mode", np.abs(fit.amplitudes[order])),
             **{f"piece_{name}": ("piece", column + (part.times[0] if name == "time" else 0.0))
                for name, column in pieces.items()},

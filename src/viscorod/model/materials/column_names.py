@@ -61,9 +61,11 @@ KINDS: dict[str, str] = {
     "tan_delta": r"(mech|mechanical|mechanischer)?(loss|verlust|damping|dämpfungs|dissipation)(factor|faktor|tangent)"
     r"(\(?tan\(?(d|delta|δ)\)?\)?|η|eta)?|tan\(?(d|delta|δ)\)?(lossfactor|\([eg]\))?|"
     r"\(?tan(d|delta|δ)\)?",
-    "phase": r"(phase|loss|verlust|phasen)(angle|winkel|verschiebung|shift)?\(?(δ|delta)?\)?|δ|delta",
+    "phase": r"(phase|loss|verlust|phasen)(shift|verschiebungs)?(angle|winkel|verschiebung|shift)?\(?(δ|delta)?\)?|"
+    r"δ|delta|déphasage|angledeperte",
     "complex": rf"\|?[egm]\*\|?|{_HOW}(komplexer)?{_HOW}(modulus|modul)\(?\|?[egm]\*\|?\)?|"
-    rf"(complex|komplexer){_HOW}(modulus|modul)|[egm]star|abs\(?[egm]\*?\)?",
+    rf"(complex|komplexer){_HOW}(modulus|modul)|[egm]star|abs\(?[egm]\*?\)?|"
+    r"modulecomplexe([egm]\*)?|module\|?[egm]\*\|?",
     "temperature": r"(sample|test|actual|furnace|chamber|proben|mess|ist|ofen|prüf)?(temp|temperature|temperatur)"
     r"\(?(t|ts)?\)?|t|ts",
     "set_temperature": r"(set|setpoint|target|nominal|soll|programmed)(temp|temperature|temperatur)|tr|tset|tsoll",
@@ -88,8 +90,10 @@ _PRIMES = str.maketrans(dict.fromkeys("\N{PRIME}\N{RIGHT SINGLE QUOTATION MARK}\
                                       "\N{ACUTE ACCENT}\N{GRAVE ACCENT}", "'")
                         | dict.fromkeys('"\N{DOUBLE PRIME}\N{RIGHT DOUBLE QUOTATION MARK}'
                                         "\N{LEFT DOUBLE QUOTATION MARK}", "''")
+                        | dict(zip("₀₁₂", "012", strict=True))
                         | {"\N{NO-BREAK SPACE}": " ", "\N{OHM SIGN}": "ω", "µ": "u", "μ": "u", "Δ": "δ"})  # fmt: skip
 _LOGARITHM = re.compile(r"(log10|log_10|log|lg|ln)(?=[\s_(]|[egmfω]['_*]?)[\s_]*(.*)")
+_BASES = {"log10": "10", "log_10": "10", "lg": "10", "ln": "e", "log": "?"}
 
 
 @dataclass(frozen=True)
@@ -101,14 +105,14 @@ class Heading:
         text: the name as it stands in the file.
         unit: beside the name, or None.
         strain: "shear" or "extension" where the name shows it.
-        logarithm: whether the column holds logarithms.
+        logarithm: "10" or "e", its base, where the column holds logarithms; "?" where the name does not say which.
     """
 
     kind: str
     text: str
     unit: str | None = None
     strain: str | None = None
-    logarithm: bool = False
+    logarithm: str = ""
 
     def completed(self, other: Heading) -> Heading:
         """Return what this and another name of the same column say together."""
@@ -138,6 +142,8 @@ def heading(cell: str) -> Heading | None:
         return None
     if found := re.fullmatch(r"(.+[)\]])\s*\(([egmEGM]'{1,2}|f|ω)\)", text):  # a symbol behind the unit
         text = found[1]
+    if found := re.fullmatch(r"(?i)(log10|log|lg|ln)\s*\(([^()/]+)/\s*\(?([^()]+?)\)?\s*\)", text):
+        text = f"{found[1]} {found[2].strip()} ({found[3]})"
     for name, unit in _parts(text):
         kind, logarithm = _kind(name)
         if kind is None:
@@ -147,6 +153,8 @@ def heading(cell: str) -> Heading | None:
             continue  # a time or a force
         if name in ("F", "W", "E", "G", "M") and (unit is None or unit_of(unit, measure) is None):
             continue  # a force, a work
+        if kind == "tan_delta" and unit and unit_of(unit, "ratio") is None and unit_of(unit, "angle"):
+            kind = "phase"  # a loss factor in degrees is the angle
         low = name.lower()
         strain = next((strain for strain, start in STRAINS.items() if re.match(start, low)), None)
         return Heading(
@@ -174,13 +182,13 @@ def _parts(text: str) -> list[tuple[str, str | None]]:
     return [(name.strip(" _,;:"), None if unit is None else unit.strip()) for name, unit in ways]
 
 
-def _kind(name: str) -> tuple[str | None, bool]:
-    """Return the kind of a name without unit, and whether it is a logarithm."""
+def _kind(name: str) -> tuple[str | None, str]:
+    """Return the kind of a name without unit, and the base of its logarithm, if it is one."""
     low = name.lower()
     logarithm = _LOGARITHM.match(low)
     inner = re.sub(r"^\((.*)\)$", r"\1", logarithm[2]) if logarithm else low
     joined = re.sub(r"[\s_.\-–,;:]+", "", inner)
     for kind, pattern in KINDS.items():
         if re.fullmatch(pattern, joined):
-            return kind, logarithm is not None
-    return None, False
+            return kind, _BASES[logarithm[1]] if logarithm else ""
+    return None, ""

@@ -21,7 +21,14 @@ from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
-from viscorod.model.materials.sweeps import DmaTable, Points, every_sweep, one_sweep, perhaps_percent
+from viscorod.model.materials.sweeps import (
+    DmaTable,
+    Points,
+    every_sweep,
+    one_sweep,
+    perhaps_percent,
+    side_by_side,
+)
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of
 from viscorod.typing import Floats
@@ -30,6 +37,8 @@ __all__ = ["read_dma_sweeps", "read_dma_table"]
 
 _AGREE = 0.03
 """Relative difference, of half the rows, that rounding explains between columns that say the same twice."""
+_LARGEST = 690.0
+"""Logarithm of the largest number."""
 _ROUNDED = 0.0051
 """Difference of tan delta that its printed digits explain."""
 
@@ -81,7 +90,10 @@ def _parts(path: str | Path, frequency_unit: str | None, modulus_unit: str | Non
     numbers = Numbers(
         row[at] for block in blocks for _, row in block.rows for at in range(len(row)) if at in _near(block)
     )
-    parts = [_points(block, index, numbers, given) for index, block in enumerate(blocks)]
+    parts = [
+        side_by_side([_points(one, index, numbers, given) for one in block.unfolded()])
+        for index, block in enumerate(blocks)
+    ]
     parts = [part for part in parts if part.line.size]
     if not parts:
         raise RefusedError("there are no numbers below the names of the columns", "give one row at least")
@@ -125,7 +137,9 @@ def _used_factors(block: Block, given: dict[str, str | None]) -> dict[int, float
             refused[at] = error
             if known.kind in needed:
                 raise
-    if not any(block.columns[at].kind in ("frequency", "angular") for at in factors):
+    if "frequency" not in block.common and not any(
+        block.columns[at].kind in ("frequency", "angular") for at in factors
+    ):
         raise next(
             error for at, error in refused.items() if block.columns[at].kind in ("frequency", "angular")
         )
@@ -213,9 +227,17 @@ def _columns(
                     f"give a number {allowed}",
                     found=show(cell),
                 )
-            column[k] = math.nan if value is None else value * size
+            column[k] = math.nan if value is None else _plain(value, known.logarithm) * size
         found[at] = column
     return found
+
+
+def _plain(value: float, logarithm: str) -> float:
+    """Return the number whose logarithm was read."""
+    if not logarithm:
+        return value
+    power = value * (math.log(10.0) if logarithm == "10" else 1.0)
+    return math.exp(power) if abs(power) < _LARGEST else math.nan
 
 
 def _checks(block: Block, rows: list[int], columns: dict[int, Floats]) -> Iterator[tuple[bool, str]]:
@@ -278,8 +300,11 @@ def _single(block: Block, values: dict[int, Floats]) -> dict[str, Floats]:
 
 def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
     """Return frequencies, moduli and temperatures of the rows of a table."""
+    unknown = np.full(len(block.rows), math.nan)
     omega = values.get("frequency")
-    if omega is None or (
+    if "frequency" in block.common:
+        omega = np.full(len(block.rows), block.common["frequency"])
+    elif omega is None or (
         "angular" in values and _digits(values["angular"]) > _digits(omega / (2.0 * math.pi))
     ):
         omega = values["angular"]
@@ -296,18 +321,19 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
             storage = values["complex"] / np.hypot(1.0, tangent)
             loss = storage * tangent
     notes = []
-    if "loss" not in values and "tan_delta" in values:
+    if "loss" not in values and "tan_delta" in values and "frequency" not in block.common:
         notes += perhaps_percent(omega, storage, tangent)
     strains = {known.strain for known in block.columns.values() if known.kind in ("storage", "complex")}
     strains.discard(None)
-    unknown = np.full(len(block.rows), math.nan)
     units = {known.kind: known.unit or "C" for known in block.columns.values()}
     return Points(
         line=np.array([line for line, _ in block.rows], dtype=np.int64),
         omega=omega,
         storage=storage,
         loss=loss,
-        temperature=_celsius(values.get("temperature", unknown), units.get("temperature", "C")),
+        temperature=np.full(len(block.rows), block.common["temperature"])
+        if "temperature" in block.common and "temperature" not in values
+        else _celsius(values.get("temperature", unknown), units.get("temperature", "C")),
         set_temperature=_celsius(values.get("set_temperature", unknown), units.get("set_temperature", "C")),
         group=values.get("group", unknown) * 1.0 + 0.0,
         block=np.full(len(block.rows), index),

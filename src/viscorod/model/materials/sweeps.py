@@ -13,7 +13,7 @@ from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
 from viscorod.typing import Floats
 
-__all__ = ["DmaTable", "Points", "every_sweep", "one_sweep", "perhaps_percent", "tidied"]
+__all__ = ["DmaTable", "Points", "every_sweep", "one_sweep", "perhaps_percent", "side_by_side", "tidied"]
 
 _JUMP = 2.0
 """Change of the temperature [K] from row to row that begins another sweep."""
@@ -226,6 +226,15 @@ def _joined(parts: list[Points]) -> Points:
     arrays = {name: np.concatenate([getattr(part, name) for part in parts]) for name in names}
     notes = tuple(dict.fromkeys(note for part in parts for note in part.notes))
     return Points(**arrays, strain=parts[0].strain, notes=notes)
+
+
+def side_by_side(parts: list[Points]) -> Points:
+    """Return the points of columns that stand side by side, those of one row together by frequency."""
+    if len(parts) == 1:
+        return parts[0]
+    joined = _joined(parts)
+    one_each = all(len(np.unique(part.omega)) == 1 for part in parts)
+    return joined.at(np.lexsort((joined.omega, joined.line))) if one_each else joined
 
 
 def _sweeps(points: Points) -> list[Points]:

@@ -4,16 +4,30 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import MEASURE, Heading, heading, unit_of
 from viscorod.model.materials.column_units import NOUNS, refuse_unit
-from viscorod.model.materials.table_text import SEPARATORS, looks_like_a_number, words
+from viscorod.model.materials.table_text import SEPARATORS, Numbers, looks_like_a_number, words
+from viscorod.model.materials.table_wide import (
+    Label,
+    celsius,
+    enough,
+    labelled,
+    labels_above,
+    labels_within,
+)
 
 __all__ = ["Block", "blocks_of"]
 
 _REMARK = re.compile(r"\s*(#|%|//)|[\s|:+=-]*$")
+_TEMPERATURE = re.compile(
+    r"\W*(?:set|test|sample|soll|proben?)?[\s_-]*temp(?:erature|eratur|\.)?\s*[:=\t;,]+\s*([-+]?[\d.,]*\d)\s*[;,\t]?\s*"
+    r"[(\[]?(°?\s?[CFK]|℃)[)\]]?\W*",
+    re.IGNORECASE,
+)
+"""A line above a table that gives the temperature of all its rows."""
 _UNITS_WITHIN = 4
 """Lines below the names in which the units are looked for."""
 
@@ -29,6 +43,24 @@ class Block:
     rows: list[tuple[int, list[str]]] = field(default_factory=list)
     full: dict[int, int] = field(default_factory=dict)
     """Cells of the rows with empty ones at the end, by line."""
+    labels: dict[int, Label] = field(default_factory=dict)
+    """Frequencies or temperatures of single columns."""
+    common: dict[str, float] = field(default_factory=dict)
+    """What all rows have: "frequency" [rad/s] or "temperature" [C]."""
+
+    def unfolded(self) -> list[Block]:
+        """Return a table for every frequency or temperature that columns are labelled with."""
+        if not self.labels:
+            return [self]
+        return [
+            replace(
+                self,
+                columns={at: k for at, k in self.columns.items() if self.labels.get(at, label) == label},
+                labels={},
+                common=self.common | {label[0]: label[1]},
+            )
+            for label in dict.fromkeys(self.labels.values())
+        ]
 
     def same_columns(self, other: Block) -> bool:
         """Return whether another line of names, such as one of symbols, has the same columns."""
@@ -46,11 +78,17 @@ def blocks_of(lines: list[str]) -> list[Block]:
     blocks: list[Block] = []
     ended = 0
     index = 0
+    above: dict[str, float] = {}
     while index < len(lines):
         line = lines[index]
         index += 1
+        if stated := _TEMPERATURE.fullmatch(line):
+            value = Numbers([stated[1]]).of(stated[1])
+            above = {} if value is None else {"temperature": celsius(value, stated[2])}
+            continue
         found = _names(lines, index) if _may_be_names(line) else None
         if found is not None:
+            found.common |= above
             if blocks and not blocks[-1].rows and blocks[-1].same_columns(found):
                 found.columns = {
                     at: old.completed(found.columns[at]) for at, old in blocks.pop().columns.items()
@@ -122,19 +160,35 @@ def _names(lines: list[str], number: int) -> Block | None:
             cells = cells[1:]
         columns = {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
         kinds = {found.kind for found in columns.values()}
-        sizes = "storage" in kinds and kinds & {"loss", "tan_delta", "phase"}
-        sizes = sizes or ("complex" in kinds and kinds & {"tan_delta", "phase"})
-        if not kinds & {"frequency", "angular"} or not sizes:
-            continue
-        logarithms = [found.text for found in columns.values() if found.logarithm]
-        if logarithms:
-            raise RefusedError(
-                f"line {number} names columns of logarithms",
-                "write the frequencies and moduli themselves",
-                found=", ".join(logarithms),
-            )
-        return Block(number, cells, columns, below)
+        labels: dict[int, Label] = {}
+        if not kinds & {"frequency", "angular"} or not enough(kinds):
+            named = labels_within(cells)
+            if not named and number > 1 and enough(kinds):
+                named = labels_above(divide(lines[number - 2]), columns)
+            columns |= {at: known for at, (_, _, known) in named.items()}
+            labels = labelled(number, named, columns) if named else {}
+            if not labels:
+                continue
+        return Block(number, cells, _without_logarithms(number, columns), below, labels=labels)
     return None
+
+
+def _without_logarithms(number: int, columns: dict[int, Heading]) -> dict[int, Heading]:
+    """Return the columns without logarithms of numbers that stand in another one.
+
+    Raises:
+        RefusedError: a logarithm may be of the base 10 or e.
+    """
+    plain = {known.kind for known in columns.values() if not known.logarithm}
+    kept = {at: known for at, known in columns.items() if not (known.logarithm and known.kind in plain)}
+    unknown = [known.text for known in kept.values() if known.logarithm == "?"]
+    if unknown:
+        raise RefusedError(
+            f"line {number} names columns of logarithms, and not of which base",
+            "name them log10 or ln",
+            found=", ".join(unknown),
+        )
+    return kept
 
 
 def _heading(cell: str, cells: list[str]) -> Heading | None:
@@ -174,6 +228,8 @@ def _units(lines: list[str], start: int, block: Block) -> None:
             continue
         for at, known in block.columns.items():
             cell = cells[at].strip() if at < len(cells) else ""
+            if known.kind == "tan_delta" and unit_of(cell, "ratio") is None and unit_of(cell, "angle"):
+                known = block.columns[at] = replace(known, kind="phase")  # noqa: PLW2901
             if cell.strip("[]()") and unit_of(cell, MEASURE[known.kind]) is None and known.kind in NOUNS:
                 refuse_unit(known, cell)
             if (
@@ -187,7 +243,7 @@ def _units(lines: list[str], start: int, block: Block) -> None:
                     found=cell,
                 )
             if cell.strip("[]()") and not known.unit:
-                block.columns[at] = Heading(known.kind, known.text, cell, known.strain)
+                block.columns[at] = replace(known, unit=cell)
         block.rows.clear()
         return
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 from scipy.optimize import minimize
+from scipy.signal import lfilter, lfiltic
 
 from viscorod.typing import Floats
 
@@ -48,8 +49,12 @@ def autocorrelation_of(terms: Floats, count: int) -> Floats:
                 matrix[k, lag - 1] -= term
     rho = np.ones(max(count, order) + 1)
     rho[1 : order + 1] = np.linalg.solve(matrix, np.array(terms, dtype=float))
-    for lag in range(order + 1, len(rho)):
-        rho[lag] = terms @ rho[lag - order : lag][::-1]
+    if order and len(rho) > order + 1:  # rho_k = sum_i a_i rho_(k-i), as a filter without input
+        below = np.append(1.0, -np.asarray(terms))
+        state = lfiltic([1.0], below, rho[order:0:-1])
+        rho[order + 1 :] = lfilter([1.0], below, np.zeros(len(rho) - order - 1), zi=state)[0]
+    elif not order:
+        rho[1:] = 0.0
     return rho[: count + 1]
 
 
