@@ -131,6 +131,50 @@ def test_the_adjoint_is_what_neighbours_say():
     require_gradient(machine(), KEYS, [2, 9, -1, -2], duration=0.12, output_interval=0.01)
 
 
+def hinged(held):
+    """A cantilever and an arm on a damped hinge at its end, with a body; strains of the arm are held."""
+    model = swing()
+    given = {"section": vr.Rectangle(0.015, 0.01), "material": model.materials["rubber"]}
+    given |= {"elements": 1, "order": 3, "constraints": held}
+    model.add("arm", vr.Rod.straight((0.3, 0, 0), (0.38, 0.02, 0.01), **given))
+    model.add("tip", vr.Body(mass=0.01, centre=(0.38, 0.02, 0.01), inertia=(1e-6, 2e-6, 3e-6)))
+    model.attach("arm.end", "tip")
+    model.rest_strain("arm", (0, 0, 0, 0.5, 0.2, 0))
+    model.gravity((0, -3.0, -9.81))
+    return model
+
+
+HINGED = (
+    E,
+    TAU,
+    "rods.beam.section.width",
+    "materials.rubber.density",
+    "joints[0].axis[0]",
+    "rods.arm.end[1]",
+    "bodies.tip.mass",
+    "rest_strains[0].value[3]",
+    "loads[0].value[1]",
+)
+
+
+@pytest.mark.parametrize("held", ["inextensible", "unshearable"])
+def test_joints_and_held_strains_have_an_adjoint(held):
+    """Neighbours of the model: states that are closed before they are recorded, within steps and at their ends."""
+    model = hinged(held)
+    hinge = {"stiffness": {"rz": 0.02}, "damping": {"rz": 2e-4}}
+    model.revolute("beam.end", "arm.start", axis=(0.1, 1, 0.2), **hinge)
+    keys = [*HINGED, "joints[0].stiffness.rz", "joints[0].damping.rz"]
+    require_gradient(model, keys, [2, 5, -1, -2], duration=0.06, output_interval=0.01)
+
+
+def test_driven_joints_and_a_start_with_velocities_have_an_adjoint():
+    """Neighbours of the model: a motor turns the arm from the start, and the whole flies about its hinge."""
+    model = hinged("inextensible")
+    model.revolute("beam.end", "arm.start", axis=(0.1, 1, 0.2), motion={"rz": vr.Sine(5.0, amplitude=0.3)})
+    keys = [key for key in HINGED if "mass" not in key]
+    require_gradient(model, keys, [2, 5, -1], seed=1, duration=0.06, output_interval=0.013)
+
+
 def test_a_start_with_velocities_changes_by_them():
     """Neighbours of the model: initial velocities about a point, of a free rod, whose reference shape is the start."""
     model = swing()
@@ -198,19 +242,20 @@ def test_random_models_have_the_gradient_of_neighbours(seed):
     require_gradient(model, keys, [1, -1], seed=seed, duration=0.06, output_interval=0.013)
 
 
-@pytest.mark.parametrize("part", ["joint", "place", "integrator"])
+@pytest.mark.parametrize("part", ["jump at a joint", "place", "integrator"])
 def test_what_has_no_adjoint_has_the_gradient_of_neighbours(part):
     """The same numbers, and the function tells the way."""
     model = viscoelastic() if part == "place" else swing()
     key = "rods.beam.end[0]" if part == "place" else E
     given = {"duration": 0.04, "output_interval": 0.01}
-    if part == "joint":
+    if part == "jump at a joint":
         arm = vr.Rod.straight(
             (0.3, 0, 0), (0.4, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber(), elements=1
         )
         model.add("arm", arm)
         model.ball("beam.end", "arm.start")
         model.force("arm.end", (0.1, 0, 0))
+        model.force("arm.end", (0, 0.01, 0), until=0.02)
     elif part == "integrator":
         given |= {"integrator": "generalized_alpha", "time_step": 2e-3}
 

@@ -128,6 +128,19 @@ def test_eigenvalues_change_as_differences_say(make):
         assert (np.abs(found - expected) <= 2e-8 * np.abs(s / value)).all(), key
 
 
+def test_numbers_that_hardly_matter_to_eigenvalues_are_not_lost_in_rounding():
+    """Extrapolated differences far apart: a force that bends a rod a little changes eigenvalues by 2e-4 of them only.
+
+    Neighbours at the usual distance were wrong by 2e-6 of that.
+    """
+    model, key, force = bar(elements=2), "loads[0].value[1]", 0.01
+    model.clamp("beam.start")
+    model.force("beam.end", (0.0, force, 0.5 * force))
+    found = model.modes(4, derivatives=[key]).derivatives[key].of(lambda modes: modes.eigenvalues)
+    expected = extrapolated(lambda v: with_values(model, {key: v}).modes(4).eigenvalues, force, 0.25 * force)
+    assert np.abs(found - expected).max() <= 3e-7 * np.abs(expected).max()
+
+
 def test_shapes_of_modes_change_as_differences_say():
     """Richardson-extrapolated differences, about an equilibrium that changes too; displacements and rotations."""
     model, key = assembly(), "bodies.tip.mass"

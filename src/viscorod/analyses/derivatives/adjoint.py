@@ -16,19 +16,23 @@ import numpy as np
 from viscorod.analyses.derivatives.changed_arrays import Kind, array_changes, kind_of
 from viscorod.analyses.derivatives.differentiate import on_mesh_of
 from viscorod.analyses.derivatives.motions import MotionStart, change_of, exact_integrator, require_known
-from viscorod.analyses.derivatives.neighbours import Neighbours
+from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.mechanics.rotations.nodal_motion import pose_differences
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.run import Run
+from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
+from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity import motion_sensitivity
+from viscorod.solve.sensitivity.closed_states import ClosedStates
 from viscorod.solve.sensitivity.equilibrium_sensitivity import EquilibriumSensitivity, actions_of
 from viscorod.solve.sensitivity.motion_sensitivity import KeptSteps, MotionGradient
 from viscorod.solve.sensitivity.stage_records import StageRecord
 from viscorod.solve.sensitivity.stage_residuals import stage_residual
+from viscorod.solve.sensitivity.step_linearisation import StepLinearisation
 from viscorod.solve.sensitivity.stored_states import READ, StoredWeights
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.given_steps import Retraced, side_by_side
@@ -53,6 +57,16 @@ class _Number(NamedTuple):
 
     neighbours: Neighbours
     kind: Kind
+
+    @classmethod
+    def of(cls, model: ModelDescription, key: str, discrete: DiscreteModel, change: float) -> _Number:
+        """Return a number that changes by a part of it.
+
+        Places are told by more neighbours: at one motion what they strain, and start from, is large and nearly cancels.
+        """
+        few = Neighbours.of(model, key, discrete, change)
+        kind = kind_of(discrete.problem, few)
+        return cls(Neighbours.of(model, key, discrete, many=change) if kind is Kind.MORE else few, kind)
 
 
 def weights_of(run: Run, given: Mapping[str, object]) -> dict[str, Floats]:
@@ -102,23 +116,11 @@ def motion_gradient(
     require_known(settings, run, keys)
     steps = KeptSteps(_integrator(discrete, settings))
     start = MotionStart(discrete, settings, run)
-    state = start.own()
+    state = _consistent(discrete, start.own())
     began = state.copy()
     motion = Retraced(discrete.problem, steps, ends, np.zeros(1))
-    try:
-        motion_sensitivity.require_known(steps)
-        stuck = side_by_side([motion], [state], settings.duration)
-        motion_sensitivity.require_known(steps)
-    except InputError as error:
-        raise UnknownAdjointError(error.problems) from None
-    if stuck is not None:
-        raise SolveError(
-            f"The motion has no gradient: the step to {motion.integrator.t:.6g} s ended as: "
-            f"{motion.result.outcome.value}"
-        )
-    few = change_of(len(ends))
-    every = [Neighbours.of(model, key, discrete, few) for key in keys]
-    numbers = [_Number(one, kind_of(discrete.problem, one)) for one in every]
+    _ask(steps)
+    numbers = [_Number.of(model, key, discrete, change_of(len(ends))) for key in keys]
     if discrete.problem.relaxing and (more := [one for one in numbers if one.kind is Kind.MORE]):
         key, why = (
             more[0].neighbours.number.key,
@@ -127,7 +129,22 @@ def motion_gradient(
         raise UnknownAdjointError(
             Fault("keys", key, f"{why}rest strains and loads have an adjoint", "take differences")
         )
-    back = _WayBack(discrete, settings, [one for one in numbers if one.kind is not Kind.ARRAYS])
+    resting = start.change is not None and not began.twist.any()
+    # before the steps, which take the scales of multipliers over
+    starts = [
+        [] if start.given or (resting and one.kind is Kind.ARRAYS) else start.states(one.neighbours)
+        for one in numbers
+    ]
+    stuck = side_by_side([motion], [state], settings.duration)
+    _ask(steps)
+    if stuck is not None:
+        raise SolveError(
+            f"The motion has no gradient: the step to {motion.integrator.t:.6g} s ended as: "
+            f"{motion.result.outcome.value}"
+        )
+    linear = StepLinearisation(steps.integrator)
+    closing = ClosedStates(linear) if discrete.problem.multipliers else None
+    back = _WayBack(settings, linear, [one for one in numbers if one.kind is not Kind.ARRAYS])
     stored = StoredWeights(
         StationReader(discrete.problem),
         np.asarray(run.time),
@@ -136,36 +153,66 @@ def motion_gradient(
         steps.integrator.body.split,
         steps.integrator.tableau,
         discrete.problem.length,
+        closing,
     )
     adding = back.add if back.numbers else None
-    found = motion_sensitivity.gradient(steps, stored.seen, adding, loads=False)
-    resting = start.change is not None and not began.twist.any()
+    first = None if closing is None else linear
+    found = motion_sensitivity.gradient(steps, stored.seen, adding, loads=False, linear=first)
+    if closing is not None:
+        np.add(found.arrays.reference, closing.reference, out=found.arrays.reference)
     if resting:
         at = EquilibriumSensitivity(discrete.static, began)
         found.arrays.add(at.adjoint(found.pose))
     totals = iter(back.totals)
     gradient = []
-    for one in numbers:
+    for one, states in zip(numbers, starts, strict=True):
         arrays = one.kind is Kind.ARRAYS
         total = found.arrays.product(array_changes(one.neighbours)) if arrays else next(totals)
-        if not start.given and not (resting and arrays):
-            total += _by_start(one.neighbours, found, start, began)
+        if states:
+            total += _by_start(one.neighbours, found, states, began)
         if one.kind is Kind.MORE:
             each = one.neighbours.each
             total += sum(near.weight * stored.value(StationReader(near.problem)) for near in each)
+            if closing is not None:
+                total += sum(near.weight * closing.value(near.system.constraints) for near in each)
         gradient.append(total)
     return np.array(gradient)
 
 
-def _by_start(neighbours: Neighbours, found: MotionGradient, start: MotionStart, began: State) -> float:
-    """Return the derivative by a number through the state that the motion starts from."""
+def _ask(steps: KeptSteps) -> None:
+    """Refuse steps that have no adjoint.
+
+    Raises:
+        UnknownAdjointError: of the model, of the method, or since velocities were corrected after a jump.
+    """
+    try:
+        motion_sensitivity.require_known(steps)
+    except InputError as error:
+        raise UnknownAdjointError(error.problems) from None
+
+
+def _by_start(neighbours: Neighbours, found: MotionGradient, states: Sequence[State], began: State) -> float:
+    """Return the derivative by a number through the state that the motion starts from, and those of its neighbours."""
     total = 0.0
-    for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
-        change = np.empty_like(began.twist)
+    for one, given in zip(neighbours.each, states, strict=True):
+        change, state = np.empty_like(began.twist), _consistent(one, given)
         pose_differences(began.r, began.q, state.r, state.q, change)
         by = np.vdot(found.pose, change) + np.vdot(found.twist, state.twist - began.twist)
         total += one.weight * float(by)
     return total
+
+
+def _consistent(one: Neighbour | DiscreteModel, state: State) -> State:
+    """Return a state to start from with velocities that joints, held strains and supports allow, as a motion does."""
+    if one.system.constraints.rows or len(one.supports.partial):
+        actions = actions_of(one.system)  # the model's own matrix is kept
+        actions.supports.update(0.0, False)
+        actions.supports.prescribe(state)
+        actions.supports.project_twists(state)
+        actions.system.constraints.update(0.0)
+        actions.system.impose_rest(Imposed(t=0.0))
+        start_consistently(actions.system, actions.supports, state)
+    return state
 
 
 def _integrator(discrete: DiscreteModel, settings: SimulateSettings) -> Collocation:
@@ -182,10 +229,12 @@ def _integrator(discrete: DiscreteModel, settings: SimulateSettings) -> Collocat
     if not isinstance(integrator, Collocation) or len(integrator.tableau.exact_inside):
         why = "only steps of radau with three stages have an adjoint here"
         raise UnknownAdjointError(Fault("integrator", settings.integrator, why, "take radau"))
-    problem = discrete.problem
-    if problem.multipliers or (integrator.supports.moving and len(integrator.supports.partial)):
-        why = "states within steps are corrected where joints or held strains, or supports that move and leave a "
-        raise UnknownAdjointError(Fault("derivatives", "", f"{why}place free, hold them", "take differences"))
+    if integrator.supports.moving and len(integrator.supports.partial):
+        why = "states within steps are corrected where supports that move and leave a place free hold them"
+        raise UnknownAdjointError(Fault("derivatives", "", why, "take differences"))
+    if len(discrete.system.constraints.ball_motors.coordinates):
+        why = "motors of ball joints measure from axes that turn"
+        raise UnknownAdjointError(Fault("derivatives", "", why, "take differences"))
     found: Collocation = integrator
     return found
 
@@ -198,10 +247,10 @@ class _WayBack:
     """
 
     def __init__(
-        self, discrete: DiscreteModel, settings: SimulateSettings, numbers: Sequence[_Number]
+        self, settings: SimulateSettings, linear: StepLinearisation, numbers: Sequence[_Number]
     ) -> None:
         self.numbers, self.totals = numbers, [0.0] * len(numbers)
-        self._scale = discrete.system.constraints.scale
+        self._linear = linear
         self._loads: list[list[StepActions]] = []
         self._integrators: list[list[Integrator]] = []
         for number in numbers:
@@ -217,7 +266,7 @@ class _WayBack:
                 self.totals[k] -= one.weight * _work(actions, step, lifted)
             for one, integrator in zip(each, self._integrators[k], strict=False):
                 assert isinstance(integrator, Collocation)
-                residual = stage_residual(integrator, step, self._scale)
+                residual = stage_residual(integrator, step, self._linear.arrays.scale)
                 self.totals[k] += one.weight * float(np.vdot(forces, residual))
 
 

@@ -15,7 +15,7 @@ from scipy import sparse
 
 from viscorod.analyses.derivatives.differentiate import record_static
 from viscorod.analyses.derivatives.mode_shapes import ShapeRate, ShapeRates
-from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
+from viscorod.analyses.derivatives.neighbours import STEP, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
@@ -31,7 +31,6 @@ from viscorod.solve.linear_systems.small_motions import SmallMotions, small_moti
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.static_solver import StaticSolver
-from viscorod.typing import Floats
 
 __all__ = ["Pencil", "groups_of", "modes_derivatives"]
 
@@ -43,6 +42,11 @@ OUTSIDE = 1e-9
 """Part of an eigenvalue by which the matrix is taken beside it: it is singular there."""
 UNKNOWN = ("mode_share", "mode_residual", "mode_error")
 """What has no derivatives here."""
+UNCERTAIN = 1e-8
+"""Error of rounding in the derivatives, over the largest of them, from which on a number changes more."""
+FARTHER = (8.0, 4.0)
+"""By how many times, one after the other."""
+EPSILON = float(np.finfo(float).eps)
 
 
 def modes_derivatives(
@@ -73,30 +77,84 @@ def modes_derivatives(
     )
     found = {}
     for key in keys:
-        neighbours = Neighbours.of(model, key, discrete)
-        increment = None if change is None else change.increment(neighbours)
-
-        def moved(one: Neighbour, increment: Floats | None = increment) -> State:
-            if change is None or increment is None:
-                return State.reference(one.problem)
-            return change.moved(increment, one.change)
-
-        pencils = {id(one): Pencil.of(one.static, moved(one), at) for one in neighbours.each}
-        rates = np.zeros(len(result.eigenvalues), dtype=complex)
-        moving: dict[int, np.ndarray] = {}
-        for group, (s, right, left, slope) in zip(groups, vectors, strict=True):
-            changed = np.asarray(
-                sum(one.weight * (pencils[id(one)].at(s) @ right) for one in neighbours.each)
-            )
-            rates[group] = -np.trace(np.linalg.solve(slope, left.conj().T @ changed)) / len(group)
+        rates = _Rates(Neighbours.of(model, key, discrete), change, at, vectors)
+        many = STEP
+        for times in FARTHER:
+            if rates.rounding <= UNCERTAIN or rates.left > rates.rounding:
+                break
+            many *= times
+            farther = _Rates(Neighbours.of(model, key, discrete, many=many), change, at, vectors)
+            rates = min(rates, farther, key=lambda one: one.rounding + one.left)
+        neighbours, number = rates.neighbours, len(result.eigenvalues)
+        slopes, moving = np.zeros(number, dtype=complex), {}
+        for group, changed, slope in zip(groups, rates.changed, rates.of_groups, strict=True):
+            slopes[group] = slope
             if len(group) == 1:
-                moving[group[0]] = shapes.of[group[0]].change(changed[:, 0], rates[group[0]])
+                moving[group[0]] = shapes.of[group[0]].change(changed[:, 0], slope)
         histories = [History() for _ in neighbours.each]
-        for one, history in zip(neighbours.each, histories, strict=True):
-            record_static(one, moved(one), at, history, at.scale, discrete)
-        near = [shapes.near(pencils[id(one)], one.change, moving) for one in neighbours.each]
-        found[key] = _derivative(neighbours, result, histories, rates, groups, near)
+        for one, state, history in zip(neighbours.each, rates.states, histories, strict=True):
+            record_static(one, state, at, history, at.scale, discrete)
+        near = [
+            shapes.near(pencil, one.change, moving)
+            for one, pencil in zip(neighbours.each, rates.pencils, strict=True)
+        ]
+        found[key] = _derivative(neighbours, result, histories, slopes, groups, near)
     return found
+
+
+class _Rates:
+    """How eigenvalues change with one number, by neighbours of the model at one distance.
+
+    Args:
+        neighbours: of the model; change: of the equilibrium, None for the reference shape; at: its loads.
+        vectors: of groups of eigenvalues, see :meth:`Pencil.vectors`.
+
+    Attributes:
+        states, pencils: of the neighbours; changed: rates of the matrices times the right vectors, of each group.
+        of_groups: rates of the eigenvalues of each group; rounding: part of the largest that rounding may be.
+        left: the same of what the scheme leaves.
+    """
+
+    def __init__(
+        self,
+        neighbours: Neighbours,
+        change: StaticChange | None,
+        at: Instant,
+        vectors: Sequence[tuple[complex, np.ndarray, np.ndarray, np.ndarray]],
+    ) -> None:
+        self.neighbours, each = neighbours, neighbours.each
+        increment = None if change is None else change.increment(neighbours)
+        self.states = [
+            State.reference(one.problem)
+            if change is None or increment is None
+            else change.moved(increment, one.change)
+            for one in each
+        ]
+        self.pencils = [
+            Pencil.of(one.static, state, at) for one, state in zip(each, self.states, strict=True)
+        ]
+        self.changed: list[np.ndarray] = []
+        self.of_groups: list[complex] = []
+        coarse, noise = [], []
+        weights = np.array([one.weight for one in each])
+        for s, right, left, slope in vectors:
+            matrices = [pencil.at(s) for pencil in self.pencils]
+            products = np.array([matrix @ right for matrix in matrices])
+            changed = np.tensordot(weights, products, 1)
+
+            def rate(changed: np.ndarray, left: np.ndarray = left, slope: np.ndarray = slope) -> complex:
+                between = np.linalg.solve(slope, left.conj().T @ changed)
+                return complex(-np.trace(between) / len(slope))
+
+            self.changed.append(changed)
+            self.of_groups.append(rate(changed))
+            coarse.append(rate(np.tensordot(neighbours.rough, products, 1)))
+            terms = np.abs(left).T @ (abs(matrices[0]) @ np.abs(right))
+            noise.append(EPSILON * np.abs(weights).max() * float(np.abs(np.linalg.solve(slope, terms)).max()))
+        size = max(map(abs, self.of_groups), default=0.0) or 1.0
+        self.rounding = max(noise, default=0.0) / size
+        apart = [abs(one - other) for one, other in zip(self.of_groups, coarse, strict=True)]
+        self.left = (max(apart, default=0.0) / size) ** 2
 
 
 def _change(discrete: DiscreteModel, result: Modes, at: Instant) -> StaticChange | None:

@@ -15,7 +15,7 @@ import numpy as np
 
 from viscorod.analyses.derivatives.differentiate import derivative
 from viscorod.analyses.derivatives.neighbours import CLOSE, Neighbour, Neighbours
-from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
+from viscorod.analyses.derivatives.static_changes import Instant, StaticChange, settle
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError, SolveError
@@ -44,7 +44,7 @@ FEW_STEPS = 50
 
 UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
-LEAST, WANTED, MOST = 3e-7, 1e-5, 3e-4
+LEAST, WANTED, MOST = 3e-6, 1e-5, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
 LARGEST = 1e-3
 """Change of a number, as a part of it, that hardly matters."""
@@ -172,7 +172,7 @@ class MotionStart:
         elif self.change is not None and increment is not None:
             one.system.constraints.near[:] = self.discrete.system.constraints.near
             state = self.change.moved(increment, one.change)
-            report = one.static.newton(state, 0.0, before=True, scale=1.0)
+            report = settle(one.static, state, Instant())
             if not report.converged:
                 raise SolveError(
                     "The equilibrium that the motion starts from has no derivatives: it was not found for a slightly "

@@ -28,7 +28,7 @@ from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 
-__all__ = ["CLOSE", "Neighbour", "Neighbours", "Scheme"]
+__all__ = ["CLOSE", "STEP", "Neighbour", "Neighbours", "Scheme"]
 
 STEP = 1e-3
 """Change of a number, as a part of it."""
@@ -39,24 +39,32 @@ ROUNDING = 1e-9
 
 
 class Scheme(NamedTuple):
-    """Where a function is evaluated, in steps, and the weights of a derivative over the step."""
+    """Where a function is evaluated, in steps, and the weights of a derivative over the step, and of a rougher one."""
 
     places: tuple[float, ...]
     weights: tuple[float, ...]
+    rough: tuple[float, ...]
 
 
-def _to_one_side(places: tuple[float, ...], weights: tuple[float, ...]) -> tuple[Scheme, Scheme]:
+def _to_one_side(
+    places: tuple[float, ...], weights: tuple[float, ...], rough: tuple[float, ...]
+) -> tuple[Scheme, Scheme]:
     """Return a difference to larger numbers, and its reflection."""
-    below = Scheme(tuple(-x for x in places), tuple(-w for w in weights))
-    return Scheme(places, weights), below
+    below = Scheme(*(tuple(-x for x in values) for values in (places, weights, rough)))
+    return Scheme(places, weights, rough), below
 
 
 MANY = (
-    Scheme((1.0, -1.0, 0.5, -0.5), (-1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0)),
-    *_to_one_side((0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25)),
+    Scheme((1.0, -1.0, 0.5, -0.5), (-1.0 / 6.0, 1.0 / 6.0, 4.0 / 3.0, -4.0 / 3.0), (0.5, -0.5, 0.0, 0.0)),
+    *_to_one_side(
+        (0.0, 1.0, 2.0, 3.0, 4.0), (-25.0 / 12.0, 4.0, -3.0, 4.0 / 3.0, -0.25), (-1.5, 2.0, -0.5, 0.0, 0.0)
+    ),
 )
 """Two central differences, extrapolated; five points to one side."""
-FEW = (Scheme((1.0, -1.0), (0.5, -0.5)), *_to_one_side((0.0, 1.0, 2.0), (-1.5, 2.0, -0.5)))
+FEW = (
+    Scheme((1.0, -1.0), (0.5, -0.5), (0.5, -0.5)),
+    *_to_one_side((0.0, 1.0, 2.0), (-1.5, 2.0, -0.5), (-1.0, 1.0, 0.0)),
+)
 """A central difference; three points to one side."""
 
 
@@ -102,20 +110,32 @@ class Neighbour:
 
 
 class Neighbours(NamedTuple):
-    """All that a derivative by one number is made of."""
+    """All that a derivative by one number is made of.
+
+    Attributes:
+        rough: weights of a derivative of lower order by the same neighbours, which tells what that by theirs lacks.
+    """
 
     number: CaseNumber
     each: tuple[Neighbour, ...]
+    rough: tuple[float, ...]
 
     @classmethod
     def of(
-        cls, model: ModelDescription, key: str, discrete: DiscreteModel, few: float | None = None
+        cls,
+        model: ModelDescription,
+        key: str,
+        discrete: DiscreteModel,
+        few: float | None = None,
+        *,
+        many: float = STEP,
     ) -> Neighbours:
         """Make them beside a discretised model.
 
         Args:
             model: as its user made it; key: of the number; discrete: the same on its mesh.
             few: change of the number, as a part of it, of few neighbours; by default there are many.
+            many: the same of many.
 
         Raises:
             InputError: there is no such number, or it changes the mesh, what is connected, or when loads jump.
@@ -125,7 +145,7 @@ class Neighbours(NamedTuple):
         refused: InputError | None = None
         central, above, below = MANY if few is None else FEW
         for scheme, part in ((central, 1.0), (central, 0.01), (above, 1.0), (below, 1.0)):
-            step = part * (few or STEP) * size
+            step = part * (few or many) * size
             try:
                 found = [_made(discrete, number, step * place) for place in scheme.places]
             except InputError as error:
@@ -135,7 +155,7 @@ class Neighbours(NamedTuple):
                 Neighbour(step * place, weight / step, made)
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
-            return cls(number, tuple(each))
+            return cls(number, tuple(each), tuple(weight / step for weight in scheme.rough))
         raise InputError(
             Fault(
                 "derivatives",

@@ -15,11 +15,16 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import SolveError
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
-from viscorod.solve.statics.newton import SingularMatrixError
+from viscorod.solve.statics.newton import NewtonReport, SingularMatrixError
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["Instant", "StaticChange"]
+__all__ = ["Instant", "StaticChange", "settle"]
+
+ROUNDING = 1e-14
+"""Of increments (displacement over model length, rotation in rad)."""
+REPEATED = 10
+"""Most repetitions until an equilibrium is found to round-off."""
 
 
 class Instant(NamedTuple):
@@ -42,7 +47,7 @@ class StaticChange:
 
     def __init__(self, discrete: DiscreteModel, state: State, at: Instant) -> None:
         static = discrete.static
-        report = static.newton(state, at.t, before=at.before, scale=at.scale)
+        report = settle(static, state, at)
         if not report.converged:
             raise SolveError(f"The state is no equilibrium of this model.{discrete.where(report)}")
         self.state, self.at = state, at
@@ -86,6 +91,21 @@ class StaticChange:
         residual: Floats = static.system.residual().copy()
         static.supports.impose(state, residual, static.system.matrix, tangent=False)
         return residual * self._weights
+
+
+def settle(static: StaticSolver, state: State, at: Instant) -> NewtonReport:
+    """Find the equilibrium next to a ``state`` (overwritten) until increments do not fall any more.
+
+    An equilibrium ends at a tolerance, and where loads see the motion their tangent is not exact: what was left of two
+    that are close by spoilt what they differ by.
+    """
+    last = np.inf
+    for _ in range(REPEATED):
+        report = static.newton(state, at.t, before=at.before, scale=at.scale)
+        if not report.converged or report.change <= ROUNDING or report.change > 0.5 * last:
+            break
+        last = report.change
+    return report
 
 
 def near(static: StaticSolver, angles: Floats) -> None:

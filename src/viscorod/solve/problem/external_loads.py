@@ -143,7 +143,7 @@ def _rows_of(load: NodalLoad) -> tuple[_Rows | None, _Rows | None, _Rows | None]
     for values in (load.dead, load.following, levers):
         here = values.any(axis=tuple(range(1, values.ndim)))
         nodes = load.nodes[here]
-        distinct = len(np.unique(nodes)) == len(nodes)
+        distinct = len(set(nodes.tolist())) == len(nodes)
         found.append(_Rows(nodes, values[here], distinct) if len(nodes) else None)
     return found[0], found[1], found[2]
 

@@ -36,7 +36,7 @@ class ArrayForces:
 
     Attributes:
         operators: of all elements at the stages, written by whoever linearises; B: of the strains, the same arrays.
-        weights: of the Gauss points ``(e, points)`` [m].
+        weights: of the Gauss points ``(e, points)`` [m]; scale: of the multipliers at the stages ``(s, places)``.
     """
 
     def __init__(self, actions: StepActions, stages: int) -> None:
@@ -49,13 +49,13 @@ class ArrayForces:
         self.weights = elements.half_lengths[:, None] * elements.weights[elements.order]
         self._times: list[tuple[float, bool]] = [(0.0, False)] * stages
         self._gravity, self._fall = np.zeros((stages, 3)), np.zeros((stages, self.problem.size, 6))
-        self._scale = np.zeros((stages, len(actions.system.constraints.scale)))
+        self.scale = np.zeros((stages, len(actions.system.constraints.scale)))
         self._step: StageRecord
 
     def take(self, i: int, t: float, before: bool, scale: Floats) -> None:
         """Take the loads of stage ``i`` at ``t`` [s]; ``scale``: of the multipliers."""
         self._times[i] = t, before
-        self._scale[i] = scale
+        self.scale[i] = scale
         self._gravity[i] = self.actions.loads.at(t, before).gravity
 
     def begin(self, step: StageRecord) -> None:
@@ -83,9 +83,9 @@ class ArrayForces:
             add_coriolis(changes.mass, step.twist[i], out[:n])
             for load in np.flatnonzero(changes.factors):
                 out[:n] -= changes.factors[load] * self.unit_load(i, int(load))
-            gaps = np.zeros_like(self._scale[i])
+            gaps = np.zeros_like(self.scale[i])
             gaps[held.place] = -changes.reference[held.element, held.point, held.component]
-            out[n:] = (self._scale[i] * gaps).reshape(-1, 6)
+            out[n:] = (self.scale[i] * gaps).reshape(-1, 6)
         return found
 
     def gradient(self, weights: Floats, *, loads: bool = True) -> ArrayChanges:
@@ -105,7 +105,7 @@ class ArrayForces:
         found.reference[:] = -np.einsum("segji,segj->egi", self._tangents(), virtual)
         for i, x in enumerate(step.twist):
             if len(held.place):
-                gaps = self._scale[i] * weights[i, n:].ravel()
+                gaps = self.scale[i] * weights[i, n:].ravel()
                 found.reference[held.element, held.point, held.component] -= gaps[held.place]
             for load in range(len(found.factors) if loads else 0):
                 found.factors[load] -= float(np.vdot(nodal[i], self.unit_load(i, load)))

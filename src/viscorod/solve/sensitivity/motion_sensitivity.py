@@ -145,6 +145,7 @@ def gradient(
     forces: Callable[[StageRecord, Floats, Floats], None] | None = None,
     *,
     loads: bool = True,
+    linear: StepLinearisation | None = None,
 ) -> MotionGradient:
     """Return the derivatives of a scalar that looks at the motion, by the adjoint.
 
@@ -154,13 +155,15 @@ def gradient(
         forces: called with every step, and with the derivatives of the scalar by changes of its balances
             ``(s, N, 6)``, with the rows of supports projected, and as they are.
         loads: whether derivatives by the factors of the loads are wanted; they are zero if not.
+        linear: that every step is to be linearised by before the scalar looks at it; by default one is made.
 
     Raises:
         InputError: the model or the method has parts whose derivatives are not known here.
     """
     integrator = steps.integrator
     require_known(steps)
-    linear, problem = StepLinearisation(integrator), integrator.system.problem
+    first, problem = linear is not None, integrator.system.problem
+    linear = linear or StepLinearisation(integrator)
     total = ArrayChanges.none(problem, integrator.system.elements())
     none = np.zeros((problem.size, 6))
     pose, twist, end, looked = none, none, integrator.state.copy(), False
@@ -168,6 +171,8 @@ def gradient(
     shape = (len(linear.tableau.nodes), problem.size, 6)
     for stretch in reversed(range(steps.stretches)):
         for number, step in reversed(steps.stages(stretch)):
+            if first:
+                linear.linearise(step)
             look = seen(number + 1, end, step)
             end = step.state
             if look is None and not looked:
@@ -175,7 +180,8 @@ def gradient(
             looked, look = True, look or Look(none, none)
             twists = np.zeros(shape) if look.stages is None else look.stages.copy()
             twists[-1] += twist + look.twist
-            linear.linearise(step)
+            if not first:
+                linear.linearise(step)
             back = linear.look_back(Weights(pose + look.pose, twists, dashpot))
             lifted = linear.lifted(back.forces)
             total.add(linear.arrays.gradient(lifted, loads=loads))

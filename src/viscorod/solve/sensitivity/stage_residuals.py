@@ -19,7 +19,8 @@ def stage_residual(integrator: Collocation, step: StageRecord, scale: Floats) ->
     """Return the balances ``(s, N, 6)`` of all stages of a step, as an integrator has them, which does nothing else.
 
     Args:
-        integrator: of a model with other numbers; step: of the model itself; scale: of its multipliers.
+        integrator: of a model with other numbers; step: of the model itself.
+        scale: of its multipliers at the stages ``(s, places)``.
     """
     integrator.iterations = 0
     integrator.t, integrator.state = step.t, step.state
@@ -28,8 +29,8 @@ def stage_residual(integrator: Collocation, step: StageRecord, scale: Floats) ->
     stages, links = integrator.stages, integrator.stage_constraints
     stages.X[:], stages.stress[:] = step.X, step.section_force
     if links is not None:
-        links.constraints.scale[:] = scale
-        links.arrays.scale[:] = scale
+        links.constraints.scale.fill(1.0)
+        links.arrays.scale.fill(1.0)
         links.arrays.states.multiplier[:] = step.multiplier
     arguments = integrator.step_arguments(step.h)
     for _ in range(2):
@@ -37,4 +38,7 @@ def stage_residual(integrator: Collocation, step: StageRecord, scale: Floats) ->
         stages.stress[:] = stages.section_force
         if links is not None:
             links.arrays.states.carried[:] = links.arrays.states.force
-    return np.array(stages.residual)
+    found = np.array(stages.residual)
+    if links is not None:
+        found[:, len(step.state.r) :] *= scale.reshape(len(scale), -1, 6)
+    return found

@@ -116,6 +116,18 @@ class StageSolver:
         found = self._iterate(lambda z: units * back(apply(z / units)), units * back(right))
         return np.asarray(found / units)
 
+    def solve_real(self, right: Floats) -> Floats:
+        """Return the solution with the real matrix for ``right (N, 6)``, as steps have it."""
+        x = right.ravel() * self._rows[0]
+        self._solvers[0].solve(x)
+        return np.asarray((x * self._scales).reshape(right.shape))
+
+    def solve_real_transposed(self, weights: Floats) -> Floats:
+        """Return the transpose of :meth:`solve_real` times ``weights (N, 6)``."""
+        x = weights.ravel() * self._scales
+        self._solvers[0].solve(x, transposed=True)
+        return np.asarray((x * self._rows[0]).reshape(weights.shape))
+
     def _iterate(self, apply: Callable[[Floats], Floats], right: Floats) -> Floats:
         """Return the solution of a system near to the identity, by GMRES."""
         self.solutions += 1

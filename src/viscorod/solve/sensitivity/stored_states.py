@@ -18,6 +18,7 @@ from viscorod.mechanics.rotations.quaternion import matrices as matrices_of
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
+from viscorod.solve.sensitivity.closed_states import ClosedStates
 from viscorod.solve.sensitivity.motion_sensitivity import Look
 from viscorod.solve.sensitivity.stage_records import StageRecord
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -53,6 +54,7 @@ class StoredWeights:
         weights: by :data:`READ` ``(k, stations, 3 or 4)``, of those that the scalar looks at.
         stored: rotations of the stations ``(k, stations, 4)``, whose signs count.
         split, tableau, length: of the nodes ``(n,)``, of the method, of the model [m].
+        closing: of models whose states are closed when they are recorded; None of others.
     """
 
     def __init__(
@@ -64,7 +66,9 @@ class StoredWeights:
         split: Floats,
         tableau: Tableau,
         length: float,
+        closing: ClosedStates | None = None,
     ) -> None:
+        self._closing = closing
         self.reader, self.times, self.weights, self.stored = reader, times, dict(weights), stored
         self._split, self._tableau, self._length = split, tableau, length
         self._interpolate = KnownTypes(interpolate)
@@ -74,7 +78,9 @@ class StoredWeights:
             looked |= values.any(axis=(0, 2))
             self._instants |= values.any(axis=(1, 2))
         self._stations = np.flatnonzero(looked)
-        self._nodes, self._of = np.unique(reader.nodes[self._stations], return_inverse=True)
+        beside = np.zeros(0, dtype=np.int64) if closing is None else closing.nodes
+        self._nodes = np.unique(np.concatenate([reader.nodes[self._stations], beside]))
+        self._of = np.searchsorted(self._nodes, reader.nodes[self._stations])
         m = len(self._nodes)
         self._copies = np.tile(np.arange(m), 72)
         unit = np.eye(36).reshape(36, 1, 2, 3, 6)
@@ -91,30 +97,57 @@ class StoredWeights:
         inside = [k for k in range(first, last) if self._instants[k]]
         found = None
         if inside and abs(self.times[inside[-1]] - end) <= slack:
-            found = self._at_end(state, inside.pop())
+            found = self._at_end(state, inside.pop(), end)
         return self._within(state, step, inside, found) if inside else found
 
-    def _at_end(self, state: State, k: int) -> Look:
-        """Return what is seen in one stored state."""
-        nodes, size = self._nodes, len(state.r)
+    def _at_end(self, state: State, k: int, end: float | None = None) -> Look:
+        """Return what is seen in one stored state, at the ``end`` [s] of a step; None at the start."""
+        nodes, size, closing = self._nodes, len(state.r), self._closing
+        closed = None if closing is None or end is None else closing.at_end(state, end)
+        here = state if closed is None else closed.state
         weights = self._nodal(
-            np.array([k]), state.r[None, nodes], state.q[None, nodes], state.twist[None, nodes]
+            np.array([k]), here.r[None, nodes], here.q[None, nodes], here.twist[None, nodes]
         )
         pose, twist = np.zeros((2, size, 6))
         pose[nodes], twist[nodes] = weights.pose[0], weights.twist[0]
+        if closed is not None and closing is not None:
+            pose, twist = closing.back(closed, pose, twist)
         return Look(pose, twist)
+
+    def _inside(
+        self, places: Integers, parts: Floats, step: StageRecord, start: list[Floats], end: list[Floats]
+    ) -> _Nodal:
+        """Return the derivatives by states within a step, of all its nodes, that are closed when they are recorded."""
+        closing, nodes, (n, _) = self._closing, self._nodes, step.state.r.shape
+        assert closing is not None
+        fields = self._states(parts, step.h, start, end, np.arange(n))
+        poses, twists = [], []
+        for k, part, r, q, twist in zip(places, parts, *fields, strict=True):
+            closed = closing.within(State(r, q, twist, step.state.multiplier), step.t + part * step.h)
+            base = closed.state.r[None, nodes], closed.state.q[None, nodes], closed.state.twist[None, nodes]
+            weights = self._nodal(np.array([k]), *base)
+            by_pose, by_twist = np.zeros((2, n, 6))
+            by_pose[nodes], by_twist[nodes] = weights.pose[0], weights.twist[0]
+            by_pose, by_twist = closing.back(closed, by_pose, by_twist)
+            poses.append(by_pose[nodes])
+            twists.append(by_twist[nodes])
+        return _Nodal(np.array(poses), np.array(twists))
 
     def _within(self, state: State, step: StageRecord, inside: list[int], also: Look | None) -> Look:
         """Return what is seen at the stored times with the numbers ``inside`` of a step, beside what is at its end."""
         nodes, method, h, old = self._nodes, self._tableau, step.h, step.state
         m, n = len(nodes), len(old.r)
         starting = method.start_derivative / h
-        start_rate = np.tensordot(starting, step.twist[:, nodes] - old.twist[nodes], 1)
-        start = [old.r[nodes], old.q[nodes], old.twist[nodes], start_rate]
-        end = [state.r[nodes], state.q[nodes], state.twist[nodes], step.acceleration[-1, nodes]]
+        start_rate = np.tensordot(starting, step.twist - old.twist, 1)
+        starts = [old.r, old.q, old.twist, start_rate]
+        ends = [state.r, state.q, state.twist, step.acceleration[-1]]
+        start, end = ([part[nodes] for part in parts] for parts in (starts, ends))
         parts = (self.times[inside] - step.t) / h
         base = self._states(parts, h, start, end, nodes)
-        weights = self._nodal(np.array(inside), *base)
+        if self._closing is None:
+            weights = self._nodal(np.array(inside), *base)
+        else:
+            weights = self._inside(np.array(inside), parts, step, starts, ends)
         changed, sizes = self._changed(start, end, h)
         fields = self._states(parts, h, *changed, np.tile(nodes, 72))
         r, q, twist = (values.reshape(len(parts), 2, 36, m, -1) for values in fields)
