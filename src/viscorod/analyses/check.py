@@ -8,6 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel, named
+from viscorod.analyses.doubtful_numbers import doubtful_numbers
 from viscorod.model.bodies.body_base import AnyBody
 from viscorod.model.connections.joint_base import AnyJoint, ResolvedJoint
 from viscorod.model.connections.spring import AnySpring, ResolvedSpring
@@ -156,6 +157,7 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
     """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in _rod_warnings(name, rod)]
+    warnings += doubtful_numbers(model)
     joined = many_parts(problem)
     if joined:
         warnings.append(
