@@ -17,8 +17,8 @@ __all__ = ["doubtful_numbers"]
 FASTEST = 2.0e4
 """Speed [m/s] of waves of stretch that no solid reaches: in diamond it is 1.8e4."""
 SOFT = ((100.0, 1e3), (3000.0, 1e7))
-"""Densities [kg/m3], and Young's moduli [Pa] below which no solid of at least this density is: gels begin at 1e3 Pa with
-the density of water, and what is heavier than stone is a metal or a rubber full of one."""
+"""Densities [kg/m3], and Young's moduli [Pa] below which no solid of at least this density is: gels begin at 1e3 Pa
+with the density of water, and what is heavier than stone is a metal or a rubber full of one."""
 LOSSY = 3.0
 """Loss factor that no material has: the best dampers reach 2 in the middle of their glass transition."""
 
