@@ -347,3 +347,60 @@ def test_shares_of_the_strain_energy():
     for name, share in zip(found.names[6:], found.shares[6:], strict=True):
         if name.startswith(("twist", "stretch")):
             assert share.max() == pytest.approx(1.0, rel=1e-9)
+
+
+def string(tension, stretching, length=100.0, elements=8):
+    """A string that neither bends nor twists at any cost, of mass 1 kg/m, pulled between pins."""
+    EA = stretching
+    section = vr.StiffnessSection([EA / 2, EA / 2, EA, 0, 0, 0], [1, 1, 1, 1e-3, 1e-3, 2e-3])
+    model = vr.Model()
+    cable = vr.Rod.straight((0, 0, 0), (length, 0, 0), section=section, elements=elements, order=4)
+    model.add("string", cable)
+    model.pin("string.start")
+    model.support("string.end", ("uy", "uz"), motion={"ux": tension / EA * length})
+    return model
+
+
+def test_a_string_with_a_damper_near_its_end():
+    """Krenk (2000): with ``b`` the wave number, ``sin bL + i c/sqrt(Tm) sin ba sin b(L - a) = 0``.
+
+    The damper stands on the axis about which the string may spin, and does not resist that.
+    """
+    T, L, a, EA = 1e3, 100.0, 2.0, 1e6
+    c = np.sqrt(T) / (np.pi * a / L)  # the best one for the first mode
+    model = string(T, EA)
+    model.spring(f"string@{a}", damping={"uz": c})
+    found = model.modes(4, oscillating=True)
+    inside = T / (1.0 + T / EA)  # per length before it was pulled
+    b = np.pi / L * (1.0 + 0.01j)
+    for _ in range(30):  # Newton's method with differences
+
+        def left(b):
+            return np.sin(b * L) + 1j * c / np.sqrt(inside) * np.sin(b * a) * np.sin(b * (L - a))
+
+        b = b - left(b) * 1e-7 * b / (left(b * (1.0 + 1e-7)) - left(b))
+    frequencies = sorted([abs(b) * np.sqrt(inside) / (2.0 * np.pi), np.sqrt(inside) / (2.0 * L)])
+    assert found.frequencies[:2] == pytest.approx(frequencies, rel=3e-4)
+    assert found.damping_ratios[:2] == pytest.approx([0.0, b.imag / abs(b)], rel=0.01, abs=1e-12)
+    assert b.imag / abs(b) == pytest.approx(0.5 * a / L, rel=0.03)
+
+
+def test_a_hanging_cable_spins_about_its_own_line():
+    """Irvine (1981): antisymmetric and sidewise modes of a string, ``tan x = x - (4/lambda^2) x^3`` of symmetric ones.
+
+    That all its sections turn about its line changes nothing: one motion at 0 Hz that does not grow.
+    """
+    L, H, EA = 100.0, 5000.0, 1e6
+    sag = G * L**2 / (8.0 * H)
+    natural = L * (1.0 + 8.0 / 3.0 * (sag / L) ** 2) - H * L / EA * (1.0 + 16.0 / 3.0 * (sag / L) ** 2)
+    model = string(EA / natural * (L - natural), EA, natural)
+    model.gravity()
+    found = model.modes(4)
+    assert found.names[0] == "free of stiffness"
+    assert found.rigid == 1
+    assert found.eigenvalues.real == pytest.approx(0.0, abs=1e-9)
+    elastic = (G * L / H) ** 2 * EA / (H * (1.0 + 8.0 * (sag / L) ** 2))
+    x = brentq(lambda x: np.tan(x) - x + 4.0 / elastic * x**3, np.pi / 2 + 1e-6, 3.0 * np.pi / 2 - 1e-6)
+    string_like = np.sqrt(H) / (2.0 * L)
+    expected = sorted([string_like, 2.0 * x / np.pi * string_like, 2.0 * string_like])
+    assert found.frequencies[1:] == pytest.approx(expected, rel=4e-3)

@@ -399,3 +399,17 @@ def test_a_coarse_mesh_is_warned_of():
     assert 0.3 * error < coarse.mesh_errors["cable"] < 10.0 * error
     assert "Mesh: 'cable' 2 elements of order 5; estimated errors: positions by" in flat(coarse.report())
     assert not warnings_of(fine)
+
+
+def test_a_shaft_that_spins_about_its_line_has_no_coarse_mesh():
+    """It stays where it is, within the tolerance of the steps: nothing can be said of its mesh by what is left."""
+    model = vr.Model()
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    line = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=steel, elements=4, order=3)
+    model.add("shaft", line)
+    model.support("shaft.start", ("ux", "uy", "uz"))
+    model.support("shaft.end", ("uy", "uz"))
+    model.velocity("shaft", angular=(100.0, 0, 0))
+    run = model.simulate(0.03)
+    assert np.abs(run.history("shaft@0.5", "displacement")).max() < 1e-6
+    assert not any("positions may be off" in text for text in run.warnings)

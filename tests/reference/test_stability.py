@@ -142,6 +142,31 @@ def test_eulers_column_diverges():
     assert found.frequencies[0, 0] == pytest.approx(3.516015268 / (2.0 * np.pi), rel=1e-6)
 
 
+@pytest.mark.parametrize("following", [False, True])
+def test_nikolais_shaft_flutters_under_any_torque(following):
+    """Nikolai (1928): a round shaft under a torque at its free end has no stable straight state, however small it is.
+
+    Its two equal frequencies meet at no torque at all. With EI2 = 2 EI1 they begin apart, and the limit is finite.
+    """
+
+    def limits(other):
+        section = vr.StiffnessSection([1.0, 1.0, 1.0, 1.0, other, 1.0], LOOSE)
+        model = vr.Model()
+        rod = vr.Rod.straight(
+            (0, 0, 0), (0, 0, 1), section=section, elements=2, order=3, constraints="kirchhoff"
+        )
+        model.add("shaft", rod)
+        model.clamp("shaft.start")
+        model.moment("shaft.end", (0, 0, 1.0), following=following)
+        return model.stability(band=(0.0, 2.0), count=3, modes=3).limits
+
+    round_one = limits(1.0)
+    assert {limit.at for limit in round_one} == {0.0}
+    assert {(limit.kind, limit.mesh_error) for limit in round_one} == {("flutter", 0.0)}
+    assert round_one[0].frequency == pytest.approx(3.516015 / (2.0 * np.pi), rel=1e-3)
+    assert min(limit.at for limit in limits(2.0)) > 1.0
+
+
 def ziegler(damping):
     """Two bars of length 1 on hinges with springs, masses 2 and 1 at their ends, a force of 1 that follows."""
     section = vr.StiffnessSection(np.ones(6), [1e-9, 1e-9, 1e-9, 1e-12, 1e-12, 2e-12])

@@ -88,6 +88,7 @@ def test_initial_velocity_as_a_function():
         (lambda: Force("beam.end"), "Force.value", "missing"),
         (lambda: Force("beam.end", (1, 2, 3), 1), "Force.following", "true or false"),
         (lambda: Force("beam.end", (1, 2, 3), until="0"), "Force.until", "number"),
+        (lambda: Force("beam.end", (1, 2, 3), until=-1.0), "Force.until", ">= 0"),
         (lambda: Force("beam.end", (1, 2, 3), time="ramp"), "Force.time", "function of time"),
         (lambda: Force("beam.end", (1, 2, 3), tme=Until(1)), "Force.tme", "did you mean time"),
         (lambda: DistributedForce("a beam", (1, 2, 3)), "DistributedForce.rod", "as a name"),

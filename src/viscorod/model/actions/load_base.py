@@ -17,7 +17,6 @@ from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import (
     Name,
     OptionalNonNegative,
-    OptionalNumber,
     OptionalPositive,
     OptionalText,
 )
@@ -47,7 +46,7 @@ class AnyLoad(Definition):
         "by which stages of an equilibrium call it; its kind unless given", default=None, kw_only=True
     )
     time: TimeField = Key("function of time that scales it", default=None, kw_only=True)
-    until: OptionalNumber = Key("time from which on it is zero", "s", default=None, kw_only=True)
+    until: OptionalNonNegative = Key("time from which on it is zero", "s", default=None, kw_only=True)
 
     def factor(self, t: float, before: bool = False) -> float:
         """Return the factor at time `t` (the limit from the left if `before`)."""

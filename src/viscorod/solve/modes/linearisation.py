@@ -36,6 +36,8 @@ FREE = 1e-8
 FAINT = 1e-10
 """Reactions below this part of the largest force are round-off."""
 EPS = float(np.finfo(float).eps)
+STILL = 1e3 * EPS
+"""Part of a rigid motion below which a place does not move in it."""
 
 
 @dataclass(frozen=True)
@@ -196,6 +198,8 @@ def _apart(
         free = _coordinates(basis, np.array([m.increments.ravel() for m in motions]).T)
         around, _ = scipy.linalg.qr(weights)
         C = np.hstack([free / np.abs(free).max(axis=0), C @ around[:, rigid:]])
+    # what is on the axis of a rotation does not move: a damper there would resist the rounding of zero
+    C = np.where(np.abs(C) > STILL * np.abs(C).max(axis=0), C, 0.0)
     _, _, places = scipy.linalg.qr(C.T, mode="economic", pivoting=True)
     others = np.setdiff1d(np.arange(size), places[:k])
     ones = np.ones(size - k), (others, np.arange(size - k))

@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.solve.tracking.engine_orders import Critical
 from viscorod.solve.tracking.mode_tracking import SWINGS, Family, Sample, Tracker
-from viscorod.solve.tracking.special_values import Limit
+from viscorod.solve.tracking.special_values import COINCIDENT, Limit
 from viscorod.typing import Floats
 
 __all__ = ["FinerModes", "critical_errors"]
@@ -72,6 +72,8 @@ class FinerModes:
             if limit.function == "pair":
                 one, other = roots[order[:2]]
                 left = float(((one - other) ** 2).real)
+                if limit.slope == 0.0 and abs(left) <= (COINCIDENT * size) ** 2:
+                    return 0.0  # one root on both meshes: it is so at this very value
             else:
                 left = float(roots[order[0]].real)
         return _over(left, limit.slope, limit.parameter)

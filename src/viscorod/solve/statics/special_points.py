@@ -28,7 +28,10 @@ PIECE = 0.05
 NUDGES = (0.5, 0.37, 0.63, 0.2, 0.8, 0.1, 0.9, 0.03, 0.97)
 """Where a part of a step is divided; the next one where no point of the path is found at the last."""
 EXACT = 1e-7
-"""Distance between two points that round-off may cause next to a bifurcation, where nothing resists it."""
+"""Distance below which points are not told apart by where they are."""
+MEETING = float(np.cbrt(np.finfo(float).eps))
+"""Distance between points next to it, beside a bifurcation that round-off parts: there the deflection a that nothing
+resists but its cube makes up for an imbalance of the order of eps, so two paths nearer than this are one."""
 LARGEST_GAP = 2.0
 """Largest distance between two points over the difference of their distances from a third one before them."""
 
@@ -141,7 +144,7 @@ def special_points(
         if middle is not None:
             pending.append((middle, (high, last)))
             pending.append(((low, first), middle))
-        elif high - low < LOCATED * step and (path.size(gap) < EXACT or path.astray(at, gap) < ASTRAY):
+        elif high - low < LOCATED * step and (path.size(gap) < MEETING or path.astray(at, gap) < ASTRAY):
             place = path.judged(last if low == 0.0 else first)
             if found and low - found[-1].until < max(SAME * step, EXACT):
                 found[-1] = found[-1]._replace(after=after, until=high)

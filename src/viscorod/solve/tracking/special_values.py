@@ -23,6 +23,10 @@ GROWS = 1e-7
 """Growth of a motion, as a part of its root, from which on it counts: round-off of undamped ones is less."""
 PRECISION = 1e-11
 """Part of the parameter to which roots are found."""
+COINCIDENT = 1e-6
+"""Distance of two roots, as a part of them, within which they are one."""
+BESIDE = 1e-4
+"""Part of the way between two values within which a limit is at one of them, if two roots are one there."""
 ROUNDS = 100
 NARROWED, LIKE = 10, 0.3
 """Halvings before two roots that meet are looked at, and likeness of their motions then."""
@@ -35,7 +39,8 @@ class Limit:
     Attributes:
         parameter: its value; mode: number; root: of the mode there [1/s].
         kind: "flutter" or "divergence"; unstable: whether it grows beyond.
-        function: of the parameter, whose root it is; slope: its derivative there.
+        function: of the parameter, whose root it is; slope: its derivative there, 0 where the function only touches
+            zero.
     """
 
     parameter: float
@@ -159,6 +164,12 @@ def _limit(tracker: Tracker, mode: int, ends: tuple[Sample, Sample], unstable: b
         pair = _Pair.of(tracker, (growing.parameter, s, shape), (calm.parameter, rest))
         low, high = sorted((pair.growing, pair.calm))
         found = _tried(pair.distance, low, high)
+        near = found is None or abs(found[0] - calm.parameter) < BESIDE * abs(
+            growing.parameter - calm.parameter
+        )
+        if near and abs(pair.distance(calm.parameter)) <= (COINCIDENT * abs(rest)) ** 2:
+            # two that are one are driven apart by any load, as in Nikolai's shaft: the distance only touches zero
+            return Limit(calm.parameter, mode, 1j * abs(rest.imag), "flutter", unstable, "pair", 0.0)
         if found is not None:
             return Limit(found[0], mode, 1j * pair.frequency(found[0]), "flutter", unstable, "pair", found[1])
         low, high = (end.parameter for end in ends)
