@@ -129,6 +129,24 @@ def users_level() -> int:
     return level - 1
 
 
+def came_of_interrupt(error: BaseException) -> bool:
+    """Return whether an error is Ctrl-C that met compiled code of a library: Python speaks of a `SystemError` then."""
+    cause: BaseException | None = error
+    while cause is not None and not isinstance(cause, KeyboardInterrupt):
+        cause = cause.__cause__ or cause.__context__
+    return cause is not None
+
+
+def let_interrupts_through(error: BaseException) -> None:
+    """Raise the interrupt of which a library made an error of its own; of other errors nothing comes.
+
+    Raises:
+        KeyboardInterrupt: it led to the error.
+    """
+    if came_of_interrupt(error):
+        raise KeyboardInterrupt("stopped from the keyboard") from error
+
+
 @contextmanager
 def reading(path: Path, what: str = "") -> Iterator[None]:
     """Turn whatever HDF5 and the libraries above it say of a damaged result into one message.
@@ -144,6 +162,7 @@ def reading(path: Path, what: str = "") -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:  # a damaged file brings out errors of every kind
+        let_interrupts_through(error)
         part = f"; {what}" if what else ""
         text = " ".join(str(error).split()) or type(error).__name__
         raise InputError(

@@ -60,7 +60,7 @@ RUNS = {
     "generalised-alpha": lambda: (swing(), {"duration": 0.3, "integrator": "generalized_alpha"}),
     "intrinsic": lambda: (swing(), {"duration": 1.0, "formulation": "intrinsic"}),
     "Maxwell": lambda: (maxwell(), {"duration": 0.7}),
-    "joints": lambda: shipped("four_bar", duration=0.8),
+    "joints": lambda: shipped("four_bar", duration=0.4),
     "drag": lambda: (in_water(), {"duration": 0.15}),
 }
 
@@ -176,13 +176,12 @@ def _child(model, given, folder, step, last, delay):
 
 
 @pytest.mark.skipif(sys.platform == "win32", reason="no fork")
-def test_killed_at_eight_random_moments(tmp_path, eager):
+def test_killed_at_random_moments(tmp_path, eager):
     """Identity to 1e-12 (bit for bit here): killed without warning wherever it is, then resumed."""
     fork = multiprocessing.get_context("fork")
     rng = np.random.default_rng(5)
     names, resumed = ("radau", "midpoint", "Maxwell", "joints"), []
-    for number in range(8):
-        name = names[number % len(names)]
+    for number, name in enumerate(names):
         model, given = RUNS[name]()
         folder, last = tmp_path / str(number), int(whole(name).data.attrs["steps"])
         step = int(rng.integers(2, last))
@@ -275,9 +274,9 @@ def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
         tracemalloc.stop()
         return found
 
-    short, long = peak(1.0, "short"), peak(10.0, "long")
+    short, long = peak(0.5, "short"), peak(5.0, "long")
     assert long < 1.6 * short
-    assert vr.load(tmp_path / "long" / "run.nc").time.size > 1000
+    assert vr.load(tmp_path / "long" / "run.nc").time.size > 500
 
 
 # --- events

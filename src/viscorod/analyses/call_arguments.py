@@ -18,7 +18,7 @@ from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.casefile.case_keys import parts_of
 from viscorod.checks import file_path, flag, require_callback, text
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.given_as import GivenAs, Words
 from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError, show
@@ -258,8 +258,12 @@ def takes(arguments: Callable[P, A]) -> Callable[[Callable[[M, A], R]], Callable
                 prefix = f"{kind.__name__}."
                 faults = [replace(fault, where=fault.where.removeprefix(prefix)) for fault in error.problems]
                 raise InputError(faults) from None
-            with one_blas_thread(), _shown(call) as call:
-                return function(self, call)
+            try:
+                with one_blas_thread(), _shown(call) as call:
+                    return function(self, call)
+            except SystemError as error:
+                let_interrupts_through(error)
+                raise
 
         documented: Any = method
         documented.__signature__ = _signature(kind)

@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.records.columns import Columns, name_and_unit, stacked
 
 __all__ = ["columns_of_matlab"]
@@ -30,6 +30,7 @@ def columns_of_matlab(path: Path) -> Columns:
         except NotImplementedError:  # version 7.3 is HDF5
             content = _of_hdf5(path)
     except Exception as error:  # the readers fail in many ways on what is no MATLAB file
+        let_interrupts_through(error)
         raise InputError(
             Fault(str(path), "", f"it cannot be read as MATLAB ({error})", "check the file")
         ) from None

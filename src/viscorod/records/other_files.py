@@ -8,7 +8,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.records.clock_times import since_first
 from viscorod.records.columns import Columns, is_unit, name_and_unit, stacked
 from viscorod.records.matlab_file import columns_of_matlab
@@ -107,6 +107,7 @@ def _of_netcdf(path: Path) -> Columns:
     try:
         found = xr.load_dataset(path)
     except Exception as error:  # the readers fail in many ways on what is no netCDF
+        let_interrupts_through(error)
         raise InputError(
             Fault(str(path), "", f"it cannot be read as netCDF ({error})", "check the file")
         ) from None
@@ -157,6 +158,7 @@ def _of_uff(path: Path) -> Columns:
         sets = [one for one in everything if one.get("type") == 58]
         length, force = _uff_units(everything)
     except Exception as error:  # the reader fails in many ways on what is no UFF
+        let_interrupts_through(error)
         raise InputError(
             Fault(str(path), "", f"it cannot be read as UFF ({error})", "check the file")
         ) from None
@@ -213,6 +215,7 @@ def _of_c3d(path: Path) -> Columns:
         labels = [str(text).strip() for text in point["LABELS"]["value"]]
         places = np.asarray(file["data"]["points"], dtype=float)[:3]
     except Exception as error:  # the reader fails in many ways on what is no C3D
+        let_interrupts_through(error)
         raise InputError(
             Fault(str(path), "", f"it cannot be read as C3D ({error})", "check the file")
         ) from None

@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.results.any_result import result_class
 from viscorod.results.components import STRAINS
 from viscorod.results.data_schema import AXES, LABELS, VARIABLES
@@ -138,6 +138,7 @@ def evaluated(
         except InputError as error:
             wrong.append(f"{quantity.name}: {error}")
         except Exception as error:  # a user's function may fail for one member; the others keep theirs
+            let_interrupts_through(error)
             wrong.append(f"{quantity.name}: {type(error).__name__}: {error}")
     return numbers, wrong
 

@@ -13,7 +13,7 @@ from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.case_keys import put
-from viscorod.errors import InputError, SolveError
+from viscorod.errors import InputError, SolveError, came_of_interrupt
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantity, evaluated
 from viscorod.results.sweep_figures import figures_of
@@ -137,4 +137,6 @@ def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool
     except KeyboardInterrupt:
         return None, "interrupted from the keyboard", "interrupted"
     except Exception as error:  # one member's defect must not cost the others their results
+        if came_of_interrupt(error):
+            return None, "interrupted from the keyboard", "interrupted"
         return None, f"{type(error).__name__}: {error}", FAILED

@@ -8,7 +8,7 @@ from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, let_interrupts_through
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -49,6 +49,7 @@ def read_parquet(path: str | Path) -> tuple[pd.DataFrame, dict[str, Any]]:
         about = json.loads((found.schema.metadata or {})[_ABOUT])
         table = found.to_pandas()
     except Exception as error:  # a damaged file brings out errors of every kind
+        let_interrupts_through(error)
         why = " ".join(str(error).split())[:120] or type(error).__name__
         raise InputError(
             f"{path} is no table that viscorod wrote, or a damaged one ({why}); take another copy of it"

@@ -19,7 +19,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.errors import InputError
+from viscorod.errors import InputError, let_interrupts_through
 from viscorod.results.files.parquet import read_parquet
 from viscorod.results.files.storage import result_of
 from viscorod.results.files.sweep_table import ATTRIBUTES, sweep_of_table, write_table
@@ -297,5 +297,6 @@ def _unreadable(path: Path) -> Iterator[None]:
     except InputError:
         raise
     except Exception as error:  # a damaged store brings out errors of every kind
+        let_interrupts_through(error)
         why = " ".join(str(error).split())[:120] or type(error).__name__
         raise InputError(f"{path} is damaged ({why}); take another copy of it") from None
