@@ -109,7 +109,7 @@ def main() -> None:
             folder = SweepFolder(Path(name))
             rows = rows_of(columns(count))
             names = member_names(case, rows, quantities_of(TIP, case.kind, {}), False)
-            folder.begin("", rows, names, [])
+            folder.begin("", rows, names, [], list(TIP))
             record = {"message": "", "outcome": "completed", "measured": {"steps": 1.0, "wall_time_s": 0.01}}
             used = time.process_time()
             for k, one in enumerate(names):

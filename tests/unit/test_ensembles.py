@@ -176,6 +176,33 @@ def test_failed_members_are_left_out_of_indices():
     assert "member 7: it broke" in flat(lacking.report())
 
 
+def test_a_number_that_few_members_have_leaves_the_others_theirs(held, tmp_path):
+    """What of the whole ensemble can be told is told."""
+    found = vr.ensemble(
+        held,
+        SPREAD,
+        16,
+        quantities=TIP | {"never": lambda _: math.nan, "same": lambda _: 2.0},
+        workers=1,
+        errors=0,
+        indices=True,
+    )
+    assert found.numbers == ("tip", "same")
+    assert found.scarce == ("never: 0 members have it; 8 are needed",)
+    assert list(found.quantiles([0.5]).index) == [("tip", 0.5), ("same", 0.5)]
+    assert found.quantiles(0.5).loc[("same", 0.5), "value"] == 2.0
+    assert list(found.indices().index.unique(level="quantity")) == ["tip"]  # the other does not vary
+    assert list(found.moments().index) == ["tip", "same"]
+    assert "Quantiles of tip" in found.report()
+    assert "never: 0 members have it; 8 are needed" in found.report()
+    found.plot(tmp_path / "all.png")
+    with pytest.raises(vr.InputError, match="never: 0 members have it"):
+        found.values("never")
+    for levels in ("tip", [1.5], [0.5, "a"], None):
+        with pytest.raises(vr.InputError, match="levels"):
+            found.quantiles(levels)
+
+
 WRONG = [
     ({"n": 100}, "n: 100: Sobol' points are balanced in powers of two only; give 128"),
     ({"seed": -1}, "seed: -1: a whole number from 0 on"),

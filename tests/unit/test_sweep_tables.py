@@ -3,6 +3,7 @@
 import gc
 import itertools
 import json
+import math
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 
@@ -118,7 +119,7 @@ def test_rows_of_tables_and_files(held, tmp_path):
     assert tips[0] == tips[1] == tips[2]
     (tmp_path / "gap.csv").write_text(f"{FORCE},rods.beam.elements\n1e-4,\n")
     for wrong, words in (
-        ("gap.csv", "cells of rods.beam.elements are empty"),
+        ("gap.csv", r"cells of rods.beam.elements \(first in row 0\) are empty"),
         ("none.csv", "cannot be read"),
     ):
         with pytest.raises(vr.InputError, match=words):
@@ -156,6 +157,7 @@ WRONG = [
     ({SHEAR: TIP}, "one that the table has for something else"),
     ({"steps": TIP}, "one that the table has for something else"),
     ({"tip": 3.0}, "no quantity"),
+    ({"tip": ("energy",)}, "nothing: 2 more words are needed"),
 ]
 
 
@@ -181,7 +183,9 @@ def test_a_number_that_cannot_be_had_is_missing_and_says_why(swing):
     row = sweep.table().loc[0]
     assert row["outcome"] == "completed"
     assert np.isfinite(row["tip"])
-    assert "ratio" not in row
+    assert np.isnan(
+        row[["ratio", "mine", "nan"]].to_numpy(dtype=float)
+    ).all()  # columns are there all the same
     for words in (
         "ratio: beam.end along y passes no complete maximum",
         "mine: ZeroDivisionError",
@@ -306,6 +310,24 @@ def test_a_saved_sweep_keeps_its_numbers(swing, tmp_path):
         if fields:
             for one, other in zip(sweep.members, loaded.members, strict=True):
                 assert other.result.data.identical(one.result.data)
+
+
+@pytest.mark.parametrize("name", ["sweep.nc", "sweep.parquet", "folder"])
+def test_a_number_that_no_member_has_keeps_its_column(held, tmp_path, name):
+    """A script that reads a column of numbers does not break where none of the members has one."""
+    if name == "sweep.parquet":
+        pytest.importorskip("pyarrow")
+    quantities = {"never": lambda _: math.nan, "tip": TIP}
+    folder = tmp_path / "folder"
+    sweep = vr.sweep(held, {FORCE: [1e-4, 2e-4]}, quantities=quantities, folder=folder, workers=1)
+    table = sweep.table()
+    assert list(table.columns[1:3]) == ["never", "tip"]
+    assert table["never"].isna().all()
+    assert sweep.quantities == ("never", "tip")
+    assert "never" not in sweep.data
+    again = vr.load(folder if name == "folder" else sweep.save(tmp_path / name))
+    assert again.table().equals(table)
+    assert again.report() == sweep.report()
 
 
 def test_threads_give_the_same_bits(swing, tmp_path):
@@ -469,7 +491,8 @@ def test_a_table_as_people_write_it(tmp_path):
         ("a [mm],a\n1.0,2.0\n", "two columns are called a"),
         ("a\n", "has no rows"),
         ("", "cannot be read as a table"),
-        ("a,b\n1.0,\n", "cells of b are empty"),
+        ("a,b\n1.0,2.0\n1.0,\n", r"cells of b \(first in row 1\) are empty"),
+        ("a;b\n1,5;2\n", "with commas between its cells"),
     ],
 )
 def test_tables_that_are_none(tmp_path, text, message):

@@ -1,9 +1,13 @@
 """Sweeps: values land where they should, members are the single runs, failures stay where they are."""
 
 import copy
+import math
 import multiprocessing
 import os
 import signal
+import subprocess
+import sys
+import time
 import tomllib
 
 import numpy as np
@@ -14,7 +18,7 @@ import viscorod as vr
 from helpers.plain_text import flat
 from helpers.quantities import as_the_environment_says
 from viscorod.analyses.case_run import run_case
-from viscorod.analyses.sweeps import member_work
+from viscorod.analyses.sweeps import member_work, process_start
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
 from viscorod.results.equilibrium_result import Equilibrium
@@ -257,6 +261,28 @@ def test_interruption_keeps_what_there_is(case, workers):
     assert signal.getsignal(signal.SIGINT) is handler
 
 
+@pytest.mark.skipif(not process_start.COPIED, reason="processes start by themselves there")
+def test_ctrl_c_is_nothing_to_processes_that_load():
+    """A terminal sends it to all; the client alone answers, and the process that workers are copies of ends with it."""
+    code = (
+        "import time; from viscorod.analyses.sweeps.process_start import prepare; prepare();"
+        "print('begun', flush=True); time.sleep(60)"
+    )
+    client = subprocess.Popen(
+        [sys.executable, "-c", code],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        start_new_session=True,
+    )
+    assert client.stdout.readline() == "begun\n"
+    time.sleep(0.3)
+    os.killpg(client.pid, signal.SIGINT)
+    told = client.communicate(timeout=120)[1]  # until the last process that writes there has ended
+    assert told.count("Traceback") == 1  # the client's own
+    assert told.endswith("KeyboardInterrupt\n")
+
+
 @pytest.mark.slow
 def test_a_process_that_is_killed_costs_nothing(case):
     """As where memory runs out: the system kills one process of a sweep that runs."""
@@ -318,6 +344,18 @@ def test_modes_and_responses_are_swept(kind, tmp_path):
     np.testing.assert_array_equal(getattr(found, quantity), getattr(swept.members[0].result, quantity))
     if kind == "response":
         assert float(swept.data["peak"][1]) == alone.amplification().max()
+
+
+def test_no_damping_is_no_minus_zero():
+    """The damping ratio of what is not damped reads 0 in tables."""
+    case = case_from_dict(tomllib.loads(SMALL["modes"]))
+    content = {**case.content, "materials": {"rubber": {**case.content["materials"]["rubber"]}}}
+    del content["materials"]["rubber"]["damping"]
+    swept = vr.sweep(case_from_dict(content), {"rods.beam.end[0]": [0.2]}, workers=1)
+    ratio = swept.table().loc[0, "first_damping_ratio"]
+    assert ratio == 0.0
+    assert math.copysign(1.0, ratio) == 1.0
+    assert " -0 " not in swept.report()
 
 
 @pytest.mark.slow

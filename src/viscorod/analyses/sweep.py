@@ -110,7 +110,8 @@ def sweep(
     keep = not wanted if fields is None else bool(fields)
     looked = _estimated(len(rows), errors, keep)
     names: list[str] = []
-    found = FoundMembers(len(rows))
+    numbers = [quantity.name for quantity in wanted if not quantity.is_history]
+    found = FoundMembers(len(rows), numbers)
     store = None if folder is None else SweepFolder(Path(folder).absolute())
     if store is not None:
         names = member_names(case, rows, wanted, keep)
@@ -121,7 +122,7 @@ def sweep(
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     if store is not None:
-        store.begin(case.title, rows, names, notes)
+        store.begin(case.title, rows, names, notes, numbers)
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
     jobs = _Jobs(rows, names, looked)
 

@@ -76,7 +76,8 @@ Errors = Annotated[
         "--errors",
         min=0,
         metavar="NUMBER",
-        help="Members, evenly chosen, whose errors of mesh and steps are estimated [default: 64, all with --fields]",
+        help="Members, evenly chosen, whose errors of mesh and steps are estimated "
+        "[default: 64, all where whole results are kept]",
         show_default=False,
     ),
 ]

@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
-from viscorod.checks import checked
+from viscorod.checks import checked, numbers
 from viscorod.errors import Fault, InputError
 from viscorod.results.ensemble_design import Design
 from viscorod.results.ensemble_report import report_of
@@ -55,8 +55,19 @@ class Ensemble(Sweep):
 
     @property
     def numbers(self) -> tuple[str, ...]:
-        """Names of the quantities that are numbers, not histories."""
-        return tuple(name for name in self.quantities if name in self._columns)
+        """Names of the quantities that are numbers, no histories, and that enough members have."""
+        return tuple(name for name in self._columns if not self._too_few(name))
+
+    @property
+    def scarce(self) -> tuple[str, ...]:
+        """What is wrong with the other quantities that are numbers, in words: too few members have them."""
+        return tuple(told for name in self._columns if (told := self._too_few(name)))
+
+    def _too_few(self, name: str) -> str:
+        """Say that too few of the members that are samples of a quantity have it; empty if enough have."""
+        count = len(self._samples(name))
+        which = "member has" if count == 1 else "members have"
+        return f"{name}: {count} {which} it; {LEAST} are needed" if count < LEAST else ""
 
     @cached_property
     def _columns(self) -> dict[str, Floats]:
@@ -70,26 +81,32 @@ class Ensemble(Sweep):
         Raises:
             InputError: there is no such quantity, or too few members have it.
         """
-        column = self._column(quantity)
+        if quantity not in self._columns:
+            known = ", ".join(self._columns) or "none"
+            raise InputError(
+                Fault("quantity", str(quantity), "there is no such number", f"there are {known}")
+            )
+        if told := self._too_few(quantity):
+            raise InputError(told)
+        return self._samples(quantity)
+
+    def _samples(self, quantity: str) -> Floats:
+        column = self._columns[quantity]
         if self.design.indices:
             column = column.reshape(self.design.n, -1)[:, :2].T.reshape(-1)
-        column = column[np.isfinite(column)]
-        if len(column) < LEAST:
-            raise InputError(f"{quantity}: {len(column)} members have it; {LEAST} are needed")
-        return column
+        return column[np.isfinite(column)]
 
-    def _column(self, quantity: str) -> Floats:
-        if quantity not in self._columns:
-            known = ", ".join(self.numbers) or "none"
-            raise InputError(Fault("quantity", quantity, "there is no such number", f"there are {known}"))
-        return self._columns[quantity]
+    def _require_numbers(self) -> None:
+        if not self.numbers:
+            raise InputError("; ".join(self.scarce) or "no quantity of this ensemble is a number")
 
     def quantiles(self, levels: Sequence[float] = LEVELS) -> pd.DataFrame:
         """Return quantiles of all quantities, with intervals of 95 % confidence.
 
         The intervals are those of order statistics (``scipy.stats.quantile_test``), which hold for any distribution and
         independent members; those of a Sobol' sequence lie more evenly, so that errors are smaller than this says.
-        Where members are too few for a bound, it is infinite.
+        Where members are too few for a bound, it is infinite. Quantities that fewer than 8 members have are left out
+        (``scarce``).
 
         Args:
             levels: probabilities between 0 and 1.
@@ -99,14 +116,16 @@ class Ensemble(Sweep):
             members, ``half``, which shows how it converges.
 
         Raises:
-            InputError: a level is no probability, or there are too few members.
+            InputError: a level is no probability, or too few members have any quantity.
         """
         import pandas as pd
         from scipy.stats import quantile_test
 
+        levels = np.atleast_1d(numbers("levels", levels)).tolist()
         wrong = [level for level in levels if not 0.0 < level < 1.0]
         if wrong:
             raise InputError(Fault("levels", repr(wrong[0]), "no probability", "give 0.05 or 0.95"))
+        self._require_numbers()
         rows = []
         for name in self.numbers:
             values = self.values(name)
@@ -125,9 +144,14 @@ class Ensemble(Sweep):
         return pd.DataFrame(rows).set_index(["quantity", "level"])
 
     def moments(self) -> pd.DataFrame:
-        """Return mean, its standard error as of independent members, and standard deviation of all quantities."""
+        """Return mean, its standard error as of independent members, and standard deviation of all quantities.
+
+        Raises:
+            InputError: too few members have any quantity.
+        """
         import pandas as pd
 
+        self._require_numbers()
         rows = {}
         for name in self.numbers:
             values = self.values(name)
@@ -144,27 +168,32 @@ class Ensemble(Sweep):
 
         ``first`` is the part of the variance that is due to a key alone, ``total`` the part in which it takes part
         (estimators of Saltelli et al. 2010 and Jansen 1999). Intervals are those of a bootstrap over the points.
-        Estimates of small indices may be negative within these. Points of which a member failed are left out.
+        Estimates of small indices may be negative within these. Points of which a member failed are left out, and so
+        are quantities that do not vary or that have fewer than 8 whole points.
 
         Returns:
             A table by quantity and key: ``first``, ``first_lower``, ``first_upper``, ``total``, ``total_lower``,
             ``total_upper``.
 
         Raises:
-            InputError: the ensemble was computed without indices, a quantity does not vary, or points are too few.
+            InputError: the ensemble was computed without indices, no quantity varies, or points are too few.
         """
         import pandas as pd
 
         if not self.design.indices:
             raise InputError("the ensemble has no rows for Sobol' indices; compute it with indices=True")
-        rows = []
+        self._require_numbers()
+        rows: list[dict[str, Any]] = []
+        without: list[str] = []
         for name in self.numbers:
-            found = self._column(name).reshape(self.design.n, -1)
+            found = self._columns[name].reshape(self.design.n, -1)
             found = found[np.isfinite(found).all(axis=1)]
             if len(found) < LEAST:
-                raise InputError(f"{name}: {len(found)} points have all their members; {LEAST} are needed")
+                without.append(f"{name}: {len(found)} points have all their members; {LEAST} are needed")
+                continue
             if not np.ptp(found[:, :2]) > 0.0:
-                raise InputError(f"{name} does not vary; it has no Sobol' indices")
+                without.append(f"{name} does not vary; it has no Sobol' indices")
+                continue
             first, total = _sobol(found)
             random = np.random.default_rng(self.design.seed)
             drawn = random.integers(len(found), size=(RESAMPLES, len(found)))
@@ -184,6 +213,8 @@ class Ensemble(Sweep):
                         "total_upper": high[1, k],
                     }
                 )
+        if not rows:
+            raise InputError("; ".join(without))
         return pd.DataFrame(rows).set_index(["quantity", "key"])
 
     def report(self) -> str:

@@ -51,7 +51,7 @@ def _quantiles(found: Ensemble) -> list[str]:
             for level, row in zip(rows.index, values, strict=True)
         ]
         blocks.append(table(f"Quantiles of {title}", header, lines))
-    return blocks
+    return [*blocks, *found.scarce]
 
 
 def _indices(found: Ensemble) -> list[str]:
@@ -61,7 +61,7 @@ def _indices(found: Ensemble) -> list[str]:
     except InputError as error:
         return [str(error)]
     blocks = []
-    for name in found.numbers:
+    for name in indices.index.unique(level="quantity"):
         rows = indices.loc[name].sort_values("total", ascending=False)
         lines = [
             (

@@ -100,6 +100,11 @@ class Quantity:
         return str(self.words[1]) if head == "decrement" or head in FIELDS else ""
 
     @property
+    def is_history(self) -> bool:
+        """Whether it is many numbers, one after the other in time."""
+        return bool(self.words) and self.words[-1] == HISTORY
+
+    @property
     def record(self) -> str:
         """What it is, for comparison with another one: the words, or the function with what it takes from around it."""
         return repr(self.words) if self.function is None else function_record(self.function)
@@ -232,7 +237,12 @@ def _checked(words: tuple[Word, ...], kind: str) -> tuple[Word, ...]:
         _one_of(rest[0], terms, "term of the energy account")
         _one_of(rest[1], tuple(_REDUCTIONS), "way to make a number of a history")
     elif head in _NUMBERED:
-        _count(rest, 1, 1, f'("{head}", 1)')
+        _count(
+            rest,
+            1,
+            1,
+            f'("{head}", 1), or ("{head}", "bend_1 1"), whose name stands in quotes on a command line',
+        )
         if isinstance(rest[0], float) and (rest[0] < 1.0 or rest[0] % 1.0):
             raise InputError(Fault("", f"{rest[0]:g}", "numbers count from 1", "give 1 for the first"))
     else:
@@ -242,8 +252,10 @@ def _checked(words: tuple[Word, ...], kind: str) -> tuple[Word, ...]:
 
 def _count(rest: Sequence[Word], least: int, most: int, example: str) -> None:
     if not least <= len(rest) <= most:
-        found = " ".join(map(str, rest)) or "nothing"
-        raise InputError(Fault("", found, f"{least} to {most} more words are needed", f"write {example}"))
+        found = " ".join(f"{word:g}" if isinstance(word, float) else word for word in rest) or "nothing"
+        several = f"{least} more words are" if least > 1 else "one more word is"
+        needed = several if least == most else f"{least} to {most} more words are"
+        raise InputError(Fault("", found, f"{needed} needed", f"write {example}"))
 
 
 def _checked_field(head: str, rest: list[Word], kind: str) -> tuple[Word, ...]:

@@ -119,7 +119,7 @@ def _slowest(s: np.ndarray) -> dict[str, float]:
     first = s[np.argmin(np.abs(s))]
     return {
         "first_frequency": float(np.abs(first) / (2.0 * np.pi)),
-        "first_damping_ratio": float(-first.real / np.abs(first)),
+        "first_damping_ratio": 0.0 - float(first.real / np.abs(first)),  # no -0 of what is not damped
     }
 
 

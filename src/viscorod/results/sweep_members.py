@@ -114,14 +114,18 @@ class FoundMembers(MutableMapping[int, Found]):
 
     Args:
         count: members of the sweep.
+        names: of the quantities that are numbers, which have a column also where no member has them.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, names: Iterable[str] = ()) -> None:
         self._outcomes = [NOT_RUN]
         self._outcome = np.full(count, -1, dtype=np.int16)
         self._messages: dict[int, str] = {}
         self._stored: dict[int, Any] = {}
-        self._numbers: tuple[dict[str, Floats], dict[str, Floats]] = {}, {}
+        self._numbers: tuple[dict[str, Floats], dict[str, Floats]] = (
+            {name: np.full(count, np.nan) for name in names},
+            {},
+        )
         self._histories: dict[int, dict[str, list[float]]] = {}
         self._known = 0
 
@@ -220,12 +224,12 @@ class SweepMembers(Sequence[SweepRun]):
         self._kept: dict[int, SweepRun] = {}
 
     @classmethod
-    def of(cls, members: Iterable[SweepRun]) -> SweepMembers:
-        """Return members that are there one by one."""
+    def of(cls, members: Iterable[SweepRun], names: Iterable[str] = ()) -> SweepMembers:
+        """Return members that are there one by one, of which quantities with these ``names`` were asked."""
         given = list(members)
         keys = list(given[0].values) if given else []
         rows = Rows({key: [member.values[key] for member in given] for key in keys}, len(given))
-        found = FoundMembers(len(given))
+        found = FoundMembers(len(given), names)
         for k, m in enumerate(given):
             found[k] = m.stored, m.message, m.outcome, m.quantities, m.measured
         return cls(rows, found)

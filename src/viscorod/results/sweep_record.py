@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Sequence
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Self
 
@@ -13,7 +13,7 @@ from viscorod.errors import InputError
 from viscorod.results.files.storage import read, result_of
 from viscorod.results.stacked_members import ALONG, plain, unstacked
 from viscorod.results.sweep_figures import FIGURES
-from viscorod.results.sweep_members import SweepRun
+from viscorod.results.sweep_members import SweepMembers, SweepRun
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,10 +21,11 @@ if TYPE_CHECKING:
 __all__ = ["members_of", "record_of"]
 
 
-def record_of(members: Iterable[SweepRun], notes: Sequence[str]) -> str:
+def record_of(members: SweepMembers, notes: Sequence[str]) -> str:
     """Return what a file says of its members, as JSON."""
     record = {
         "notes": notes,
+        "quantities": list(members.found.quantities),
         "members": [
             {
                 "number": member.number,
@@ -41,7 +42,7 @@ def record_of(members: Iterable[SweepRun], notes: Sequence[str]) -> str:
     return json.dumps(record, default=plain)
 
 
-def members_of(data: xr.Dataset, path: Path) -> tuple[list[SweepRun], list[str]]:
+def members_of(data: xr.Dataset, path: Path) -> tuple[SweepMembers, list[str]]:
     """Return members and notes of the file ``path`` whose root is ``data``.
 
     Raises:
@@ -55,7 +56,8 @@ def members_of(data: xr.Dataset, path: Path) -> tuple[list[SweepRun], list[str]]
             f"{path} is damaged: the attribute sweep is no record of a sweep ({why}); "
             "take another copy of the file, or compute it again"
         ) from None
-    return [_member(row, data, path) for row in record.members], record.notes
+    members = SweepMembers.of((_member(row, data, path) for row in record.members), record.quantities)
+    return members, record.notes
 
 
 class _Row(BaseModel):
@@ -74,6 +76,7 @@ class _Record(BaseModel):
     """What a file says of all members."""
 
     notes: list[str]
+    quantities: list[str] = []
     members: list[_Row]
 
     @model_validator(mode="after")

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import multiprocessing
 import os
+import signal
 import sys
 from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
@@ -31,11 +32,22 @@ def prepare() -> None:
     """Let the process that others are copies of load, where there is such a one, without waiting for it."""
     if not COPIED:
         return
-    from multiprocessing import forkserver
+    from multiprocessing import forkserver, resource_tracker
 
     context().set_forkserver_preload(LOADED)  # it has no effect on one that runs already
-    with one_thread_each():
+    resource_tracker.ensure_running()  # it lets Ctrl-C through again when it has started, so it starts before
+    with one_thread_each(), without_keyboard():
         forkserver.ensure_running()
+
+
+@contextmanager
+def without_keyboard() -> Iterator[None]:
+    """Let processes that start here take no notice of Ctrl-C, which reaches all of a terminal; the client ends them."""
+    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    try:
+        yield
+    finally:
+        signal.pthread_sigmask(signal.SIG_SETMASK, before)
 
 
 @contextmanager

@@ -138,7 +138,7 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
         table = table.iloc[1:]
     except (OSError, ValueError, IndexError) as error:
         why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"
-        instead = "give a CSV file whose first line has keys of the case file"
+        instead = "give a CSV file whose first line has keys of the case file, with commas between its cells"
         raise InputError(Fault("values", str(path), why, instead)) from None
     if "" in heads:
         why = f"column {heads.index('') + 1} has no head; it may be the index that pandas writes"
@@ -149,9 +149,13 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
             why = f"two columns are called {key}"
             raise InputError(Fault("values", str(path), why, "leave one of them out"))
     table.columns = pd.Index(heads)
-    gaps = [name for name in heads if table[name].isna().any()]
+    gaps = [
+        f"{name} (first in row {table[name].isna().tolist().index(True)})"
+        for name in heads
+        if table[name].isna().any()
+    ]
     if gaps or not len(table):
-        why = f"cells of {', '.join(gaps)} are empty" if gaps else "the table has no rows"
+        why = f"cells of {', '.join(gaps)} are empty or nan" if gaps else "the table has no rows"
         raise InputError(Fault("values", str(path), why, "give every member a value of every key"))
     found: dict[str, Sequence[Any]] = {}
     for key, head in zip(keys, heads, strict=True):

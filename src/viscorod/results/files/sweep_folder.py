@@ -50,14 +50,26 @@ class SweepFolder:
         with replacing(self.path / DESIGN, needs=len(design), instead="name another folder") as new:
             new.write_text(design, encoding="utf-8")
 
-    def begin(self, title: str, rows: Rows, names: Sequence[str], notes: Sequence[str]) -> None:
+    def begin(
+        self, title: str, rows: Rows, names: Sequence[str], notes: Sequence[str], numbers: Sequence[str]
+    ) -> None:
         """Say what the members are, before any is computed.
+
+        Args:
+            title, rows: of the sweep; names: of its members; notes: choices that were made.
+            numbers: names of the quantities that are numbers.
 
         Raises:
             InputError: the folder cannot be written.
         """
         text = json.dumps(
-            {"title": title, "notes": list(notes), "names": list(names), "values": rows.columns},
+            {
+                "title": title,
+                "notes": list(notes),
+                "names": list(names),
+                "values": rows.columns,
+                "quantities": list(numbers),
+            },
             default=plain,
         )
         try:
@@ -146,7 +158,7 @@ class SweepFolder:
                 raise InputError(
                     f"{path} is damaged ({error}); compute the sweep again in its folder"
                 ) from None
-        found = FoundMembers(len(names))
+        found = FoundMembers(len(names), map(str, about.get("quantities", [])))
         self.take(names, found)
         members = SweepMembers(Rows(columns, len(names)), found)
         notes = [str(note) for note in about.get("notes", [])]

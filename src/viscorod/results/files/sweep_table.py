@@ -107,7 +107,8 @@ def sweep_of_table(
         )
         quantities = _columns(table, about["quantities"])
         figures = _columns(table, [name for name in FIGURES if name in table])
-        found = FoundMembers(count)
+        lists = [name for name, column in quantities.items() if any(map(_is_list, column))]
+        found = FoundMembers(count, [name for name in quantities if name not in lists])
         for k, (outcome, message) in enumerate(zip(table["outcome"], table["message"], strict=True)):
             found[k] = (
                 None if stored is None else stored(k),
@@ -136,8 +137,12 @@ def _of_member(columns: Mapping[str, Sequence[Any]], k: int) -> dict[str, Any]:
     return {
         name: value.tolist() if isinstance(value, np.ndarray) else value
         for name, value in found.items()
-        if isinstance(value, np.ndarray | list) or (value is not None and not np.isnan(value))
+        if _is_list(value) or (value is not None and not np.isnan(value))
     }
+
+
+def _is_list(value: Any) -> bool:
+    return isinstance(value, np.ndarray | list)
 
 
 def _of_one_type(column: Sequence[Any]) -> bool:
