@@ -17,6 +17,7 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.support_rows import Directions
 from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
+from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity import stage_maps
@@ -35,6 +36,9 @@ from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 __all__ = ["StepLinearisation"]
+
+TURN = 3e-5
+"""Rotation [rad], or displacement over the length of the model, of differences."""
 
 
 class StepLinearisation:
@@ -72,7 +76,7 @@ class StepLinearisation:
         self._maps = np.zeros((4, stages, n, 6, 6))
         self.solver = StageSolver(problem, self.tableau, self.body, integrator.system.matrix.scales)
         self._fixed = [(m, int(k)) for m, k in enumerate(self.body.supports.nodes)]
-        self._turned = np.zeros((n, 6, 6))
+        self._end = _EndCorrections(self.actions)
         self._still, self._scratch = np.zeros((n, 6, 6)), np.zeros((stages + 1, 6))
         self._step: StageRecord
         self._shapes = (stages, n, 6), (stages, N, 6)
@@ -98,7 +102,7 @@ class StepLinearisation:
         self.arrays.begin(step)
         speeds = _weighted(rates, step.X)
         self._write_maps.call(step.X, speeds, self.body.split, self.body.held, *self._maps)
-        self._turned = _turned_corrections(self.actions, step, self.body.partly)
+        self._end.take(step)
         self._step, middle = step, len(step.times) // 2
         directions, stiffen = self._directions[middle], None
         if self.branches is not None and self._dashpots is not None:
@@ -191,7 +195,7 @@ class StepLinearisation:
         self._balances.call(pattern.rows, pattern.columns, *fields, still, offset, x0, right)
         p = self.solver.solve(self._apply, -right)[:, :n]
         x = offset + self._twists(p)
-        x[-1] += np.einsum("nij,nj->ni", self._turned, p[-1])
+        x[-1] = self._end.forward(p[-1], x[-1])
         return p, x
 
     def _twists(self, p: Floats) -> Floats:
@@ -220,11 +224,16 @@ class StepLinearisation:
         Args:
             pose, twist: derivatives of the function by the poses and twists at the end ``(6 n, 1)``.
         """
-        weights = Weights(pose.reshape(-1, 6), np.zeros(self._shapes[0]))
-        weights.twists[-1] = twist.reshape(-1, 6)
+        by_pose, by_twist = self.look_at_end(pose.reshape(-1, 6), twist.reshape(-1, 6))
+        weights = Weights(by_pose, np.zeros(self._shapes[0]))
+        weights.twists[-1] = by_twist
         found = self.look_back(weights)
         gradient = self.arrays.gradient(self.lifted(found.forces))
         return found.pose.reshape(-1, 1), found.twist.reshape(-1, 1), gradient
+
+    def look_at_end(self, pose: Floats, twist: Floats) -> tuple[Floats, Floats]:
+        """Return derivatives by the end of the step ``(n, 6)`` as ones by its last stage, which is corrected."""
+        return self._end.backward(pose, twist)
 
     def lifted(self, forces: Floats) -> Floats:
         """Return derivatives by projected forces ``(s, N, 6)`` as ones by the forces themselves."""
@@ -243,7 +252,7 @@ class StepLinearisation:
         """
         n, pattern = self.problem.size, self.problem.pattern
         by_poses = np.zeros(self._shapes[1])
-        by_poses[-1, :n] = weights.pose + np.einsum("nji,nj->ni", self._turned, weights.twists[-1])
+        by_poses[-1, :n] = weights.pose
         self._add_twists_back(weights.twists, by_poses)
         dashpot = weights.dashpot
         if self.branches is not None and dashpot is not None:
@@ -293,18 +302,66 @@ def _weighted(weights: Floats, values: Floats) -> Floats:
     return np.asarray((weights @ values.reshape(len(values), -1)).reshape(values.shape))
 
 
-def _turned_corrections(actions: StepActions, step: StageRecord, partly: bool) -> Floats:
-    """Return how corrections of twists at the end of a step change with the poses there ``(n, 6, 6)``.
+class _EndCorrections:
+    """How corrections of twists at the end of a step change with the poses and the twists of its last stage.
 
-    Moving supports that hold displacements correct velocities by what their motion differs from its polynomial: vectors
-    that are constant in space, and turn back as the node turns.
+    Supports that hold a place in part give it exactly the velocities that they prescribe. Where they hold
+    displacements, twists are corrected by what a prescribed motion differs from its polynomial: vectors that are
+    constant in space, and turn back as the node turns. Where they hold rotations, components of the twists are
+    replaced, along directions that follow the pose: differences tell how, of what takes microseconds.
+
+    Args:
+        actions: of the model, on a system that nothing else works with.
     """
-    found: Floats = np.zeros((len(step.state.r), 6, 6))
-    if partly:
-        corrected = State(step.r[-1].copy(), step.q[-1].copy(), step.twist[-1].copy())
-        actions.move_supports(float(step.times[-1]), before=True)
-        actions.supports.project_twists(corrected)
-        change = np.zeros_like(corrected.twist)
-        change[:, 3:] = corrected.twist[:, :3] - step.twist[-1, :, :3]
-        found[:, :3, 3:] = adjoint_map(change)[:, 3:, 3:]
-    return found
+
+    def __init__(self, actions: StepActions) -> None:
+        self._actions, supports, size = actions, actions.supports, actions.system.problem.size
+        self._partial = len(supports.partial) > 0
+        self._nodes = supports.set.nodes[supports.partial]
+        self._turning = bool(supports.set.fixed[supports.partial][:, 3:].any())
+        self._by_pose = np.zeros((size, 6, 6))
+        self._by_twist = np.broadcast_to(np.eye(6), (size, 6, 6)).copy()
+
+    def take(self, step: StageRecord) -> None:
+        """Take a step."""
+        if not self._partial:
+            return
+        self._actions.move_supports(float(step.times[-1]), before=True)
+        poses, twist, nodes = (step.r[-1], step.q[-1]), step.twist[-1], self._nodes
+        corrected = self._corrected(*poses, twist)
+        if not self._turning:
+            change = np.zeros_like(twist)
+            change[:, 3:] = (corrected - twist)[:, :3]
+            self._by_pose[:, :3, 3:] = adjoint_map(change)[:, 3:, 3:]
+            return
+        length = self._actions.system.problem.length
+        for j in range(6):
+            unit = np.zeros_like(twist)
+            unit[nodes, j] = 1.0
+            self._by_twist[nodes, :, j] = (self._corrected(*poses, twist + unit) - corrected)[nodes]
+            size = TURN if j >= 3 else TURN * length
+            both = []
+            for sign in (1.0, -1.0):
+                r, q = (part.copy() for part in poses)
+                retract(r, q, sign * size * unit, r, q)
+                both.append(self._corrected(r, q, twist)[nodes])
+            self._by_pose[nodes, :, j] = (both[0] - both[1]) / (2.0 * size)
+
+    def forward(self, pose: Floats, twist: Floats) -> Floats:
+        """Return the change of the twists at the end ``(n, 6)`` with those of the last stage."""
+        if not self._partial:
+            return twist
+        found = np.einsum("nij,nj->ni", self._by_twist, twist)
+        return np.asarray(found + np.einsum("nij,nj->ni", self._by_pose, pose))
+
+    def backward(self, pose: Floats, twist: Floats) -> tuple[Floats, Floats]:
+        """Return derivatives by poses and twists at the end as ones by those of the last stage."""
+        if not self._partial:
+            return pose, twist
+        by_pose = pose + np.einsum("nji,nj->ni", self._by_pose, twist)
+        return by_pose, np.asarray(np.einsum("nji,nj->ni", self._by_twist, twist))
+
+    def _corrected(self, r: Floats, q: Floats, twist: Floats) -> Floats:
+        state = State(r, q, twist.copy())
+        self._actions.supports.project_twists(state)
+        return state.twist
