@@ -167,6 +167,22 @@ def test_joints_and_held_strains_have_an_adjoint(held):
     require_gradient(model, keys, [2, 5, -1, -2], duration=0.06, output_interval=0.01)
 
 
+def test_supports_that_hold_rotations_in_part_have_an_adjoint():
+    """Neighbours of the model: an oblique axle, whose velocities are corrected at the end of every step."""
+    model = vr.Model()
+    model.materials["rubber"] = material = rubber()
+    given = {"section": vr.Rectangle(0.02, 0.01), "material": material, "elements": 3, "order": 3}
+    model.add("beam", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), **given))
+    model.support("beam.start", ("ux", "uy", "uz", "rx", "ry"), axes=((0.8, 0, 0.6), (0, 1, 0)))
+    model.spring("beam.end", "ground", stiffness={"ux": 5.0, "uy": 5.0, "uz": 5.0})
+    model.gravity((0, -3.0, -9.81))
+    model.force("beam.end", (0.0, 0.05, 0.02), until=0.0)
+    model.force("beam@0.15", (0.0, 0.0, 0.02), time=vr.Sine(4.0), following=True)
+    keys = [E, TAU, "springs[0].stiffness.uy", "rods.beam.end[1]", "rods.beam.start[2]"]
+    keys += ["loads[0].acceleration[1]", "loads[1].value[1]", "rods.beam.section.width"]
+    require_gradient(model, keys, [2, 5, -1], duration=0.12, output_interval=0.013)
+
+
 def test_driven_joints_and_a_start_with_velocities_have_an_adjoint():
     """Neighbours of the model: a motor turns the arm from the start, and the whole flies about its hinge."""
     model = hinged("inextensible")

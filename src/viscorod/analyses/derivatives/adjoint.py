@@ -258,8 +258,11 @@ class _WayBack:
             self._loads.append([actions_of(one.system) for one in each] if loads else [])
             self._integrators.append([] if loads else [exact_integrator(one, settings) for one in each])
 
-    def add(self, step: StageRecord, forces: Floats, lifted: Floats) -> None:
-        """Take one step, with the derivatives by its balances ``(s, N, 6)``, projected and as they are."""
+    def add(self, step: StageRecord, forces: Floats, lifted: Floats, ended: Floats) -> None:
+        """Take one step, with the derivatives by its balances ``(s, N, 6)``, projected and as they are.
+
+        Those by the twists at its end, which supports correct, are ``ended (n, 6)``.
+        """
         for k, number in enumerate(self.numbers):
             each = number.neighbours.each
             for one, actions in zip(each, self._loads[k], strict=False):
@@ -268,6 +271,11 @@ class _WayBack:
                 assert isinstance(integrator, Collocation)
                 residual = stage_residual(integrator, step, self._linear.arrays.scale)
                 self.totals[k] += one.weight * float(np.vdot(forces, residual))
+                if len(one.supports.partial):
+                    end = State(step.r[-1], step.q[-1], step.twist[-1].copy())
+                    one.supports.update(float(step.times[-1]), True)
+                    one.supports.project_twists(end)
+                    self.totals[k] += one.weight * float(np.vdot(ended, end.twist))
 
 
 def _work(actions: StepActions, step: StageRecord, weights: Floats) -> float:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from viscorod.errors import InputError
-from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.transient.integrators.collocation import Collocation
@@ -28,14 +27,14 @@ def require_linearisable(integrator: Collocation) -> None:
 
     Raises:
         InputError: it is not a collocation method that ends with its last stage, in the geometric formulation, or the
-            model has supports that hold rotations of a node in part, or what has no derivatives in statics.
+            model has supports that hold velocities along the axes of a node, or what has no derivatives in statics.
     """
     problem = integrator.system.problem
     require_differentiable(problem)
     parts = {
-        "supports that hold rotations of their place in part, or velocities along its own axes": _turn_in_part(
-            integrator.supports
-        ),
+        "supports that hold velocities along the axes of their place": integrator.supports.set.in_body[
+            integrator.supports.partial
+        ].any(),
         "the midpoint rule": integrator.ends is not None,
         "rest strains that change with time": integrator.system.imposed.changes,
         "the intrinsic formulation": not isinstance(integrator.system, GeometricSystem)
@@ -46,9 +45,3 @@ def require_linearisable(integrator: Collocation) -> None:
             raise InputError(
                 f"derivatives of motions are not known with {part}; take differences of two runs"
             )
-
-
-def _turn_in_part(supports: SupportState) -> bool:
-    """Return whether any support holds rotations in part: twists at the end of steps are then corrected for them."""
-    held = supports.set.fixed[supports.partial]
-    return bool(held[:, 3:].any() or supports.set.in_body[supports.partial].any())

@@ -142,7 +142,7 @@ def forward(
 def gradient(
     steps: KeptSteps,
     seen: Seen,
-    forces: Callable[[StageRecord, Floats, Floats], None] | None = None,
+    forces: Callable[[StageRecord, Floats, Floats, Floats], None] | None = None,
     *,
     loads: bool = True,
     linear: StepLinearisation | None = None,
@@ -152,8 +152,8 @@ def gradient(
     Args:
         steps: that were computed.
         seen: of the scalar; called once for every end of a step, the last one first, and for the start.
-        forces: called with every step, and with the derivatives of the scalar by changes of its balances
-            ``(s, N, 6)``, with the rows of supports projected, and as they are.
+        forces: called with every step, with the derivatives of the scalar by changes of its balances ``(s, N, 6)``,
+            with the rows of supports projected, and as they are, and with those by its corrected end twists ``(n, 6)``.
         loads: whether derivatives by the factors of the loads are wanted; they are zero if not.
         linear: that every step is to be linearised by before the scalar looks at it; by default one is made.
 
@@ -179,10 +179,12 @@ def gradient(
                 continue
             looked, look = True, look or Look(none, none)
             twists = np.zeros(shape) if look.stages is None else look.stages.copy()
-            twists[-1] += twist + look.twist
             if not first:
                 linear.linearise(step)
-            back = linear.look_back(Weights(pose + look.pose, twists, dashpot))
+            ended = twist + look.twist
+            by_pose, by_twist = linear.look_at_end(pose + look.pose, ended)
+            twists[-1] += by_twist
+            back = linear.look_back(Weights(by_pose, twists, dashpot))
             lifted = linear.lifted(back.forces)
             total.add(linear.arrays.gradient(lifted, loads=loads))
             if back.branches is not None:
@@ -194,7 +196,7 @@ def gradient(
                 ):
                     np.add(mine, its, out=mine)
             if forces is not None:
-                forces(step, back.forces, lifted)
+                forces(step, back.forces, lifted, ended)
             pose, twist = back.pose, back.twist
             pose = pose if look.start_pose is None else pose + look.start_pose
             twist = twist if look.start_twist is None else twist + look.start_twist

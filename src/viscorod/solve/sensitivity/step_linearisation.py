@@ -16,13 +16,13 @@ import numpy as np
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.support_rows import Directions
-from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity import stage_maps
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.array_forces import ArrayForces
 from viscorod.solve.sensitivity.balance import gyroscopic
+from viscorod.solve.sensitivity.end_corrections import EndCorrections
 from viscorod.solve.sensitivity.equilibrium_sensitivity import actions_of
 from viscorod.solve.sensitivity.known_models import require_linearisable
 from viscorod.solve.sensitivity.stage_branches import StageBranches
@@ -31,7 +31,6 @@ from viscorod.solve.sensitivity.stage_solver import StageSolver
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.stage_data import Matrices
-from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
 __all__ = ["StepLinearisation"]
@@ -72,7 +71,7 @@ class StepLinearisation:
         self._maps = np.zeros((4, stages, n, 6, 6))
         self.solver = StageSolver(problem, self.tableau, self.body, integrator.system.matrix.scales)
         self._fixed = [(m, int(k)) for m, k in enumerate(self.body.supports.nodes)]
-        self._turned = np.zeros((n, 6, 6))
+        self._end = EndCorrections(self.actions)
         self._still, self._scratch = np.zeros((n, 6, 6)), np.zeros((stages + 1, 6))
         self._step: StageRecord
         self._shapes = (stages, n, 6), (stages, N, 6)
@@ -98,7 +97,7 @@ class StepLinearisation:
         self.arrays.begin(step)
         speeds = _weighted(rates, step.X)
         self._write_maps.call(step.X, speeds, self.body.split, self.body.held, *self._maps)
-        self._turned = _turned_corrections(self.actions, step, self.body.partly)
+        self._end.take(step)
         self._step, middle = step, len(step.times) // 2
         directions, stiffen = self._directions[middle], None
         if self.branches is not None and self._dashpots is not None:
@@ -191,7 +190,7 @@ class StepLinearisation:
         self._balances.call(pattern.rows, pattern.columns, *fields, still, offset, x0, right)
         p = self.solver.solve(self._apply, -right)[:, :n]
         x = offset + self._twists(p)
-        x[-1] += np.einsum("nij,nj->ni", self._turned, p[-1])
+        x[-1] = self._end.forward(p[-1], x[-1])
         return p, x
 
     def _twists(self, p: Floats) -> Floats:
@@ -220,11 +219,16 @@ class StepLinearisation:
         Args:
             pose, twist: derivatives of the function by the poses and twists at the end ``(6 n, 1)``.
         """
-        weights = Weights(pose.reshape(-1, 6), np.zeros(self._shapes[0]))
-        weights.twists[-1] = twist.reshape(-1, 6)
+        by_pose, by_twist = self.look_at_end(pose.reshape(-1, 6), twist.reshape(-1, 6))
+        weights = Weights(by_pose, np.zeros(self._shapes[0]))
+        weights.twists[-1] = by_twist
         found = self.look_back(weights)
         gradient = self.arrays.gradient(self.lifted(found.forces))
         return found.pose.reshape(-1, 1), found.twist.reshape(-1, 1), gradient
+
+    def look_at_end(self, pose: Floats, twist: Floats) -> tuple[Floats, Floats]:
+        """Return derivatives by the end of the step ``(n, 6)`` as ones by its last stage, which is corrected."""
+        return self._end.backward(pose, twist)
 
     def lifted(self, forces: Floats) -> Floats:
         """Return derivatives by projected forces ``(s, N, 6)`` as ones by the forces themselves."""
@@ -243,7 +247,7 @@ class StepLinearisation:
         """
         n, pattern = self.problem.size, self.problem.pattern
         by_poses = np.zeros(self._shapes[1])
-        by_poses[-1, :n] = weights.pose + np.einsum("nji,nj->ni", self._turned, weights.twists[-1])
+        by_poses[-1, :n] = weights.pose
         self._add_twists_back(weights.twists, by_poses)
         dashpot = weights.dashpot
         if self.branches is not None and dashpot is not None:
@@ -291,20 +295,3 @@ class StepLinearisation:
 def _weighted(weights: Floats, values: Floats) -> Floats:
     """Return sums ``sum_j weights_ij values_j`` over stages."""
     return np.asarray((weights @ values.reshape(len(values), -1)).reshape(values.shape))
-
-
-def _turned_corrections(actions: StepActions, step: StageRecord, partly: bool) -> Floats:
-    """Return how corrections of twists at the end of a step change with the poses there ``(n, 6, 6)``.
-
-    Moving supports that hold displacements correct velocities by what their motion differs from its polynomial: vectors
-    that are constant in space, and turn back as the node turns.
-    """
-    found: Floats = np.zeros((len(step.state.r), 6, 6))
-    if partly:
-        corrected = State(step.r[-1].copy(), step.q[-1].copy(), step.twist[-1].copy())
-        actions.move_supports(float(step.times[-1]), before=True)
-        actions.supports.project_twists(corrected)
-        change = np.zeros_like(corrected.twist)
-        change[:, 3:] = corrected.twist[:, :3] - step.twist[-1, :, :3]
-        found[:, :3, 3:] = adjoint_map(change)[:, 3:, 3:]
-    return found
