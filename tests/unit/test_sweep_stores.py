@@ -2,6 +2,7 @@
 
 import shutil
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -101,6 +102,24 @@ def test_a_store_replaces_a_store_and_nothing_else(sweep, tmp_path):
     other.mkdir()
     with pytest.raises(vr.InputError, match="is no store of a sweep"):
         sweep.save(other)
+
+
+@pytest.mark.parametrize("way", [KeyboardInterrupt, PermissionError])
+def test_a_store_that_is_not_replaced_stays(sweep, tmp_path, monkeypatch, way):
+    """The earlier store is moved aside, and comes back if the new one cannot take its place."""
+    path = sweep.save(tmp_path / "sweep.zarr")
+    rename = Path.rename
+
+    def stopped(self, target):
+        if self.name.startswith("new-"):
+            raise way(13, "no")
+        return rename(self, target)
+
+    monkeypatch.setattr(Path, "rename", stopped)
+    with pytest.raises((KeyboardInterrupt, vr.InputError)):
+        sweep.save(path)
+    assert [file.name for file in tmp_path.iterdir()] == ["sweep.zarr"]
+    assert vr.load(path, Sweep).table().equals(sweep.table())
 
 
 def test_members_that_differ_are_apart(tmp_path):

@@ -50,7 +50,7 @@ class Buckling(Result):
 
     @property
     def limit(self) -> np.ndarray:
-        """Whether the load has an extreme there, at which the structure snaps; elsewhere equilibria branch off."""
+        """Whether the load has an extreme there ``(m,)``, at which the structure snaps; elsewhere others branch off."""
         return np.asarray(self.data["critical_limit"].values, dtype=bool)
 
     @property
@@ -88,7 +88,7 @@ class Buckling(Result):
 
     @property
     def errors(self) -> Floats:
-        """Estimated errors of the factors by the mesh, in parts of them; none where not estimated."""
+        """Estimated errors of the factors by the mesh, in parts of them ``(m,)``; none where not estimated."""
         return self._values("critical_error") if "critical_error" in self.data else np.zeros(0)
 
     def with_errors(self, errors: Floats) -> Self:

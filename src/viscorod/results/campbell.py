@@ -80,7 +80,7 @@ class Campbell(FollowedModes):
 
     @property
     def engine_orders(self) -> Floats:
-        """Multiples of the speed at which something excites."""
+        """Multiples of the speed at which something excites ``(k,)``."""
         return np.asarray(self.data["engine_order"].values, dtype=float)
 
     @property

@@ -13,7 +13,7 @@ from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
-from viscorod.solve.history import History, StationReader
+from viscorod.solve.history import History, Snapshots, StationReader
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -44,8 +44,6 @@ def dataset(
     recorded, (energy, branch_loss) = history.states(), history.energies()
     r, q, twist = recorded.r, recorded.q, recorded.twist
     position, rotation, velocity, spin = reader.read(r, q, twist)
-    names, bodies = np.array(problem.rods), problem.bodies.names
-    still = np.zeros(len(bodies))
     states = (along, "station")
     points = (along, "point")
     variables: dict[str, Any] = {
@@ -68,50 +66,12 @@ def dataset(
     if history.unstable:
         variables["negative_eigenvalues"] = (along, np.array(history.unstable, dtype=np.int64))
     if kind == "simulate":
-        rate = recorded.strain_rate
-        momentum = _momenta(problem, r, q, twist)
-        power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
-        if problem.laws.present:
-            sections = np.tile(gauss.section, (len(rate), 1))
-            power += law_responses(problem.laws, sections, recorded.strain, rate)[..., POWER]
-        if problem.relaxing:
-            power += recorded.branch_power
-            variables["branch_loss"] = ((along, "branch"), branch_loss)
-            if recorded.branch_strain is not None:
-                where = (along, "point", "branch", "component")
-                variables["branch_strain"] = (where, recorded.branch_strain)
-        if problem.motion_loads:
-            variables["outside"] = (along, energy[:, 5])
-        if any(strain.changes for _, strain in problem.rest_strains):
-            variables["actuator"] = (along, energy[:, 6])
-        variables |= {
-            "dissipation": (points, power),
-            "viscous": (along, energy[:, 2]),
-            "external": (along, energy[:, 3]),
-            "numerical": (along, energy[:, 4]),
-            "step_size": (along, np.array(history.step_size)),
-            "linear_momentum": ((along, "axis"), momentum[:, :3]),
-            "angular_momentum": ((along, "axis"), momentum[:, 3:]),
-        }
+        variables |= _of_motion(problem, gauss, recorded, history, (energy, branch_loss))
     places = {name: LABELS[name] for name in ("axis", "quaternion", "component")}
-    coordinates: dict[str, Any] = {
-        "station_rod": ("station", np.array([*names[problem.stations.rod], *bodies])),
-        "station_s": ("station", np.append(problem.stations.s, still)),
-        "station_order": (
-            "station",
-            np.append(problem.rod_orders[problem.stations.rod], still.astype(np.int64)),
-        ),
-        "point_rod": ("point", names[gauss.rod]),
-        "point_s": ("point", gauss.s),
-        "point_weight": ("point", gauss.length),
-    }
-    if problem.relaxing:
-        coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
+    coordinates = _coordinates(problem, gauss, reader)
     if problem.supports.names:
         variables["reaction"] = ((along, "support", "motion"), recorded.reaction)
         places |= {"support": problem.supports.names, "motion": LABELS["motion"]}
-    if bodies:
-        coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
     if problem.joints.count:
         places["connection"] = tuple(unique(problem.joints.names))
         coordinates |= connections(problem, reader)
@@ -122,6 +82,63 @@ def dataset(
         _indexed(coordinates, places, (along, np.array(history.instant))),
         attrs={"kind": kind, **attrs},
     )
+
+
+def _of_motion(
+    problem: Problem,
+    gauss: GaussPositions,
+    recorded: Snapshots,
+    history: History,
+    energies: tuple[Floats, Floats],
+) -> dict[str, Any]:
+    """Return the variables that motions alone have: what is lost, the energy account, momenta."""
+    along = DIMENSION["simulate"]
+    variables: dict[str, Any] = {}
+    energy, branch_loss = energies
+    rate = recorded.strain_rate
+    momentum = _momenta(problem, recorded.r, recorded.q, recorded.twist)
+    power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
+    if problem.laws.present:
+        sections = np.tile(gauss.section, (len(rate), 1))
+        power += law_responses(problem.laws, sections, recorded.strain, rate)[..., POWER]
+    if problem.relaxing:
+        power += recorded.branch_power
+        variables["branch_loss"] = ((along, "branch"), branch_loss)
+        if recorded.branch_strain is not None:
+            where = (along, "point", "branch", "component")
+            variables["branch_strain"] = (where, recorded.branch_strain)
+    if problem.motion_loads:
+        variables["outside"] = (along, energy[:, 5])
+    if any(strain.changes for _, strain in problem.rest_strains):
+        variables["actuator"] = (along, energy[:, 6])
+    return variables | {
+        "dissipation": ((along, "point"), power),
+        "viscous": (along, energy[:, 2]),
+        "external": (along, energy[:, 3]),
+        "numerical": (along, energy[:, 4]),
+        "step_size": (along, np.array(history.step_size)),
+        "linear_momentum": ((along, "axis"), momentum[:, :3]),
+        "angular_momentum": ((along, "axis"), momentum[:, 3:]),
+    }
+
+
+def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader) -> dict[str, Any]:
+    """Return where stations and Gauss points are, and the relaxation times."""
+    names, bodies, stations = np.array(problem.rods), problem.bodies.names, problem.stations
+    still = np.zeros(len(bodies))
+    coordinates: dict[str, Any] = {
+        "station_rod": ("station", np.array([*names[stations.rod], *bodies])),
+        "station_s": ("station", np.append(stations.s, still)),
+        "station_order": ("station", np.append(problem.rod_orders[stations.rod], still.astype(np.int64))),
+        "point_rod": ("point", names[gauss.rod]),
+        "point_s": ("point", gauss.s),
+        "point_weight": ("point", gauss.length),
+    }
+    if problem.relaxing:
+        coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
+    if bodies:
+        coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
+    return coordinates
 
 
 def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -69,7 +69,7 @@ class Decrement(WellNamed, Shown, Alike):
 
     @checked_with(time=checked_numbers)
     def rest_at(self, time: Floats) -> Floats:
-        """Return the displacement about which it swings [m] at any times [s]; beyond the maxima that of the nearest."""
+        """Return the displacement about which it swings [m] at times ``(k,)`` [s]; beyond the maxima the nearest."""
         return np.asarray(np.interp(time, self.time, np.broadcast_to(self.rest, self.time.shape)))
 
     @property

@@ -85,12 +85,12 @@ class Energy(Shown, Alike):
 
     @property
     def total(self) -> Floats:
-        """Kinetic and elastic energy together."""
+        """Kinetic and elastic energy together ``(time,)`` [J]."""
         return self.kinetic + self.elastic
 
     @property
     def supplied(self) -> Floats:
-        """Energy at the start and all work since: of loads and supports, and of what changes rest strains."""
+        """Energy at the start and all work since ``(time,)`` [J]: of loads, supports and what changes rest strains."""
         return np.asarray(self.total[0] + self.external + self.actuator)
 
     @property

@@ -43,17 +43,25 @@ class Equilibrium(Result):
 
     @property
     def load_factor(self) -> Floats:
-        """Parts of the loads at which states are stored: increasing to 1, or in the order of a path."""
+        """Parts of the loads at which states are stored ``(states,)``: increasing to 1, or in the order of a path."""
         return np.asarray(self.data["load_factor"].values, dtype=float)
 
     @checked
     def position(self, place: str | int) -> Floats:
-        """Return the position of a place [m], shape (3,), global axes."""
+        """Return the position of a place [m], shape (3,), global axes.
+
+        Raises:
+            InputError: no such place.
+        """
         return self.sites.at(place).of(self.field("position", states=-1))
 
     @checked
     def displacement(self, place: str | int) -> Floats:
-        """Return the displacement of a place from the reference shape [m], shape (3,), global axes."""
+        """Return the displacement of a place from the reference shape [m], shape (3,), global axes.
+
+        Raises:
+            InputError: no such place.
+        """
         return self.sites.at(place).of(self.field("displacement", states=-1))
 
     @checked
@@ -62,6 +70,9 @@ class Equilibrium(Result):
 
         Returns:
             Rotation vector [rad], shape (3,), global axes, of length pi at most.
+
+        Raises:
+            InputError: no such place.
         """
         site = self.sites.at(place)
         return rotation_vector(
@@ -96,7 +107,7 @@ class Equilibrium(Result):
 
     @property
     def stage_ends(self) -> Integers:
-        """Numbers of the states at the ends of its stages; the last one without stages."""
+        """Numbers of the states at the ends of its stages ``(k,)``; the last one without stages."""
         ends = json.loads(self.data.attrs.get("stage_ends", "null"))
         return np.array([len(self.load_factor) - 1] if ends is None else ends, dtype=np.int64)
 
@@ -120,12 +131,12 @@ class Equilibrium(Result):
 
     @property
     def limit_points(self) -> Floats:
-        """Load factors at which the path turns from growing to shrinking loads or back, in its order."""
+        """Load factors at which the path turns from growing to shrinking loads or back ``(k,)``, in its order."""
         return self._special("limit_points")
 
     @property
     def bifurcations(self) -> Floats:
-        """Load factors at which other paths cross this one, in its order."""
+        """Load factors at which other paths cross this one ``(k,)``, in its order."""
         return self._special("bifurcations")
 
     @property
@@ -135,12 +146,12 @@ class Equilibrium(Result):
 
     @property
     def flutter_points(self) -> Floats:
-        """Load factors at which growing oscillations begin or end, in the order of the path."""
+        """Load factors at which growing oscillations begin or end ``(k,)``, in the order of the path."""
         return self._special("flutter_points")
 
     @checked
     def special_points(self, kind: str) -> Integers:
-        """Return the numbers of the states that are "limit_points", "bifurcations" or "flutter_points".
+        """Return the numbers of the states ``(k,)`` that are "limit_points", "bifurcations" or "flutter_points".
 
         Raises:
             InputError: another word.

@@ -65,12 +65,12 @@ class Modes(Result):
 
     @cached_property
     def frequencies(self) -> Floats:
-        """``|s|/2 pi`` [Hz] (for an underdamped mode the undamped natural frequency)."""
+        """``|s|/2 pi`` [Hz] ``(modes,)`` (for an underdamped mode the undamped natural frequency)."""
         return np.asarray(np.abs(self.eigenvalues) / (2.0 * np.pi))
 
     @cached_property
     def damping_ratios(self) -> Floats:
-        """``-Re s/|s|``; 0 of rigid motions."""
+        """``-Re s/|s|`` ``(modes,)``; 0 of rigid motions."""
         s = self.eigenvalues
         return np.asarray(np.divide(-s.real, np.abs(s), out=np.zeros(len(s)), where=np.abs(s) > 0.0) + 0.0)
 
@@ -135,7 +135,7 @@ class Modes(Result):
 
     @property
     def frequency_errors(self) -> Floats:
-        """Estimated errors of the frequencies by the mesh, in parts of them; none where not estimated."""
+        """Estimated errors of the frequencies by the mesh, in parts of them ``(modes,)``; none where not estimated."""
         return self._values("mode_error") if "mode_error" in self.data else np.zeros(0)
 
     def with_errors(self, errors: Floats) -> Self:

@@ -52,12 +52,12 @@ class Run(RunPictures):
 
     @property
     def time(self) -> Floats:
-        """Stored times [s]."""
+        """Stored times [s] ``(time,)``."""
         return np.asarray(self.data.variables["time"].values, dtype=float)
 
     @cached_property
     def step_ends(self) -> Integers | None:
-        """Numbers of the stored states that end a step, 0 too; None where some steps end between stored states."""
+        """Numbers ``(k,)`` of stored states that end a step, 0 too; None where some steps end between stored states."""
         if "step_size" not in self.data:
             return None
         return step_ends(self.time, np.asarray(self.data["step_size"].values, dtype=float))
@@ -154,13 +154,21 @@ class Run(RunPictures):
 
     @checked
     def positions_at(self, time: float) -> Floats:
-        """Return the positions of all stations at a time [m], shape (stations, 3); see ``snapshot``."""
+        """Return the positions of all stations at a time [m], shape (stations, 3), global axes; see ``snapshot``.
+
+        Raises:
+            InputError: the time lies outside the run.
+        """
         position: Floats = self._poses_at(time).position[0]
         return position
 
     @checked
     def rotations_at(self, time: float) -> Floats:
-        """Return the orientations of all stations at a time, unit quaternions (stations, 4); see ``probe``."""
+        """Return the orientations of all stations at a time, unit quaternions (stations, 4); see ``probe``.
+
+        Raises:
+            InputError: the time lies outside the run.
+        """
         rotation: Floats = self._poses_at(time).rotation[0]
         return rotation
 

@@ -74,6 +74,6 @@ class StateMatrices(Shown, Alike):
 
     @cached_property
     def poles(self) -> np.ndarray:
-        """All poles ``s`` [1/s], slowest first."""
+        """All poles ``s`` [1/s] ``(n,)``, slowest first."""
         s = np.linalg.eigvals(self.A)
         return np.asarray(s[np.argsort(np.abs(s), kind="stable")])

@@ -97,13 +97,13 @@ class Steady(Result):
 
     @property
     def frequencies(self) -> Floats:
-        """``|s|/2 pi`` of the eigenvalues [Hz]."""
+        """``|s|/2 pi`` of the eigenvalues [Hz] ``(motions,)``."""
         size: Floats = np.abs(self.eigenvalues) / (2.0 * np.pi)
         return size
 
     @property
     def damping_ratios(self) -> Floats:
-        """``-Re s/|s|`` of the eigenvalues; 0 where s = 0."""
+        """``-Re s/|s|`` of the eigenvalues ``(motions,)``; 0 where s = 0."""
         s = self.eigenvalues
         ratios: Floats = np.divide(-s.real, np.abs(s), out=np.zeros(len(s)), where=np.abs(s) > 0.0)
         return ratios

@@ -123,7 +123,7 @@ class TheoryComparison(WellNamed, Shown, Alike):
         return found
 
     def frequency_errors(self, word: str) -> Floats:
-        """Return the relative errors of the frequencies."""
+        """Return the relative errors of the frequencies ``(modes,)``."""
         exact, found = self.exact.frequencies, self.theories[word].frequencies
         count = min(exact.size, found.size)
         exact, found = exact[:count], found[:count]

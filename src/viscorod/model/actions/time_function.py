@@ -107,10 +107,10 @@ class Until(TimeFunction):
         return 0.0
 
 
-class Ramp(TimeFunction):
-    """Zero before `start`, then growing evenly to `level` at `end`, constant after."""
+class _Rise(TimeFunction):
+    """Zero before `start`, and `level` from `end` on."""
 
-    kind: Literal["ramp"] = Field(default="ramp", kw_only=True, repr=False)
+    kind: str = Field(default="", kw_only=True, repr=False)
     start: Number = Key("", "s")
     end: Number = Key("later than the start", "s")
     level: Number = Key("the value reached", "*", default=1.0)
@@ -131,10 +131,20 @@ class Ramp(TimeFunction):
         """Start and end."""
         return (self.start, self.end)
 
+    def _elapsed(self, t: float) -> float:
+        """Return the elapsed part of the time of the ramp, 0 to 1."""
+        return min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
+
+
+class Ramp(_Rise):
+    """Zero before `start`, then growing evenly to `level` at `end`, constant after."""
+
+    kind: Literal["ramp"] = Field(default="ramp", kw_only=True, repr=False)
+
     def value(self, t: float, before: bool = False) -> float:
         """Return the level times the elapsed fraction of the ramp."""
         del before
-        return self.level * min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
+        return self.level * self._elapsed(t)
 
     def rate(self, t: float, before: bool = False) -> float:
         """Return the slope on the ramp, zero elsewhere."""
@@ -147,7 +157,7 @@ class Ramp(TimeFunction):
         return 0.0
 
 
-class SmoothRamp(TimeFunction):
+class SmoothRamp(_Rise):
     """Zero before `start`, then growing smoothly to `level` at `end`, constant after: for angles and displacements.
 
     value = level (x - sin(2 pi x)/2pi) with x from 0 to 1 (a cycloid), so that speed and acceleration are continuous
@@ -155,25 +165,6 @@ class SmoothRamp(TimeFunction):
     """
 
     kind: Literal["smooth_ramp"] = Field(default="smooth_ramp", kw_only=True, repr=False)
-    start: Number = Key("", "s")
-    end: Number = Key("later than the start", "s")
-    level: Number = Key("the value reached", "*", default=1.0)
-
-    @model_validator(mode="after")
-    def _forward(self) -> Self:
-        if self.end <= self.start:
-            raise RefusedError(
-                "a ramp must end after its start",
-                f"give a time after {show(self.start)}",
-                found=show(self.end),
-                at=("end",),
-            )
-        return self
-
-    @property
-    def breakpoints(self) -> tuple[float, ...]:
-        """Start and end, where the third derivative jumps."""
-        return (self.start, self.end)
 
     def value(self, t: float, before: bool = False) -> float:
         """Return the level times the elapsed part of the way."""
@@ -192,10 +183,6 @@ class SmoothRamp(TimeFunction):
         del before
         x = self._elapsed(t)
         return 2.0 * math.pi * self.level / (self.end - self.start) ** 2 * math.sin(2.0 * math.pi * x)
-
-    def _elapsed(self, t: float) -> float:
-        """Return the elapsed part of the time of the ramp, 0 to 1."""
-        return min(max((t - self.start) / (self.end - self.start), 0.0), 1.0)
 
 
 class Sine(TimeFunction):

@@ -91,13 +91,13 @@ class Shaped(AnyBody):
         """Return the inertia about the three axes per mass, m^2."""
 
     def total_mass(self) -> float:
-        """Return the given mass, or density times volume."""
+        """Return the given mass, or density times volume, kg."""
         if self.mass is not None:
             return self.mass
         return (self.density or 0.0) * self.volume()
 
     def inertia_matrix(self) -> Floats:
-        """Evaluate the formula of the solid."""
+        """Evaluate the formula of the solid (3, 3), kg m^2, along its own axes."""
         return np.diag(self.gyration()) * self.total_mass()
 
     @model_validator(mode="after")

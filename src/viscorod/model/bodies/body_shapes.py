@@ -34,12 +34,12 @@ class Box(Shaped):
     axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     def volume(self) -> float:
-        """Return the product of the sides."""
+        """Return the product of the sides, m^3."""
         a, b, c = self.sides
         return a * b * c
 
     def gyration(self) -> Triple:
-        """Return (b^2 + c^2)/12 and its permutations."""
+        """Return (b^2 + c^2)/12 and its permutations, m^2."""
         a, b, c = self.sides
         return (b * b + c * c) / 12.0, (c * c + a * a) / 12.0, (a * a + b * b) / 12.0
 
@@ -56,11 +56,11 @@ class Sphere(Shaped):
     axes: OptionalAxes = Key(AXES, default=None, kw_only=True)
 
     def volume(self) -> float:
-        """Return 4/3 pi r^3."""
+        """Return 4/3 pi r^3, m^3."""
         return 4.0 / 3.0 * math.pi * self.radius**3
 
     def gyration(self) -> Triple:
-        """Return 2/5 r^2."""
+        """Return 2/5 r^2 about every axis, m^2."""
         value = 0.4 * self.radius**2
         return value, value, value
 
@@ -78,11 +78,11 @@ class Cylinder(Shaped):
     axis: Direction = Key("direction, global components", default=(0.0, 0.0, 1.0))
 
     def volume(self) -> float:
-        """Return pi r^2 l."""
+        """Return pi r^2 l, m^3."""
         return math.pi * self.radius**2 * self.length
 
     def gyration(self) -> Triple:
-        """Return (3 r^2 + l^2)/12 across the axis, r^2/2 about it."""
+        """Return (3 r^2 + l^2)/12 across the axis, r^2/2 about it, m^2."""
         across = self.radius**2 / 4.0 + self.length**2 / 12.0
         return across, across, self.radius**2 / 2.0
 

@@ -6,11 +6,12 @@ import csv
 import io
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, get_args
 
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.recorded_states import Quantity
 from viscorod.results.run import Run
 from viscorod.whole_files import replacing
 
@@ -22,17 +23,7 @@ if TYPE_CHECKING:
 Columns = dict[str, np.ndarray]
 """Heading, with the unit in brackets -> values ``(rows,)``."""
 
-QUANTITIES = (
-    "position",
-    "displacement",
-    "rotation",
-    "frame",
-    "velocity",
-    "angular_velocity",
-    "strain",
-    "section_force",
-    "dissipation",
-)
+QUANTITIES: tuple[Quantity, ...] = get_args(Quantity)
 ENERGIES = ("kinetic", "elastic", "viscous", "outside", "external", "actuator", "numerical")
 
 _STRAIN_UNITS = ("1", "1", "1", "1/m", "1/m", "1/m")

@@ -57,17 +57,27 @@ def write_store(sweep: Sweep, path: str | Path) -> Path:
         path.parent.mkdir(parents=True, exist_ok=True)
         try:
             _write(sweep, new)
-            if path.exists():
-                old = path.with_name(f"old-{new.name}")
-                path.rename(old)
-                new.rename(path)
-                shutil.rmtree(old)
-            else:
-                new.rename(path)
+            _replace(path, new)
         except BaseException:
             shutil.rmtree(new, ignore_errors=True)
             raise
     return path
+
+
+def _replace(path: Path, new: Path) -> None:
+    """Put a folder in the place of another, if there is one; what comes between leaves the earlier one there."""
+    if not path.exists():
+        new.rename(path)
+        return
+    old = path.with_name(f"old-{new.name}")
+    try:
+        path.rename(old)
+        new.rename(path)
+    except BaseException:
+        if old.exists() and not path.exists():
+            old.rename(path)
+        raise
+    shutil.rmtree(old)
 
 
 def _write(sweep: Sweep, folder: Path) -> None:
