@@ -137,14 +137,16 @@ peers: $(VENV)/.stamp-test
 	$(PIP) --editable '.[bench]'
 	$(BIN)/python bench/work_precision.py --figure docs/images/work_precision.png
 
-# Nothing of this package is needed to build it; what the machine code is made with comes with the build.
+# Nothing of this package is needed to build it; what the machine code is made with comes with the build. It is tried with
+# the oldest and the newest Python that it is for, where they are installed.
+PYTHONS ?= $(shell for version in 3.11 3.13; do python$$version -c '' 2>/dev/null && command -v python$$version; done)
 release: | $(BIN)/python
 	$(PIP) 'build>=1.2' 'twine>=6.0'
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
 	HATCH_BUILD_HOOK_ENABLE_CUSTOM=1 $(BIN)/python -m build --wheel --outdir dist .
 	$(BIN)/twine check --strict dist/*
-	$(BIN)/python packaging/check_release.py
+	$(BIN)/python packaging/check_release.py $(PYTHONS)
 
 clean:
 	rm -rf $(VENV) out docs/_build build dist .pytest_cache .mypy_cache .ruff_cache .import_linter_cache .hypothesis

@@ -1,9 +1,10 @@
 """Check the wheels and the sdist in dist/ in environments that hold nothing else.
 
 ``make release`` builds both and runs this. For every Python interpreter named (default: the one that runs this script),
-each wheel is installed twice into an empty environment: with the lowest versions of its dependencies that it declares,
-and with the newest there are. In each the Python of the README and a shipped case run, from an empty folder. A wheel
-with machine code is installed where its Python is; with the Numba that it was built with, nothing may be compiled.
+each wheel is installed into an empty environment with the newest versions of its dependencies, for the oldest of the
+interpreters also with the lowest versions that the wheel declares (the lowest of all is older than the newest Python).
+In each the Python of the README and a shipped case run, from an empty folder. A wheel with machine code is installed
+where its Python is; with the Numba that it was built with, nothing may be compiled.
 """
 
 from __future__ import annotations
@@ -96,10 +97,10 @@ def run(command: list[str], folder: Path) -> str:
     return done.stdout + done.stderr
 
 
-def tag(python: str) -> str:
-    """Return the mark of an interpreter in the names of wheels."""
-    code = "import sys; print(f'cp{sys.version_info[0]}{sys.version_info[1]}')"
-    return run([python, "-c", code], ROOT).strip()
+def version(python: str) -> tuple[int, int]:
+    """Return the version of an interpreter, such as (3, 11)."""
+    major, minor = run([python, "-c", "import sys; print(*sys.version_info[:2])"], ROOT).split()
+    return int(major), int(minor)
 
 
 def check_installed(python: str, wheel: Path, held: list[str]) -> None:
@@ -133,12 +134,14 @@ def main() -> None:
     parser.add_argument("--dist", type=Path, default=ROOT / "dist", help="where wheel and sdist lie")
     options = parser.parse_args()
     wheels, (sdist,) = sorted(options.dist.glob("*.whl")), list(options.dist.glob("*.tar.gz"))
+    interpreters = sorted((version(python), python) for python in options.python)
     for wheel in wheels:
         check_contents(wheel, sdist)
-        for python in options.python:
-            if has_machine_code(wheel) and f"-{tag(python)}-" not in wheel.name:
+        for (major, minor), python in interpreters:
+            if has_machine_code(wheel) and f"-cp{major}{minor}-" not in wheel.name:
                 continue
-            for words, held in (("lowest", lowest(metadata(wheel))), ("newest", [])):
+            oldest = (major, minor) == interpreters[0][0]
+            for words, held in [("lowest", lowest(metadata(wheel)))] * oldest + [("newest", [])]:
                 print(f"{wheel.name} on {python}, {words} versions", flush=True)
                 check_installed(python, wheel, held)
     print(f"{', '.join(wheel.name for wheel in wheels)} and {sdist.name} are ready to be published")

@@ -10,7 +10,7 @@ from viscorod.pictures.style import INK, SMALL, TEXT
 def dressed(picture: Figure) -> Figure:
     """Return a figure with headings flush left, a light grid and no boxes, as all other pictures have."""
     for axes in picture.axes:
-        title = axes.get_title()
+        title = axes.get_title() or axes.get_title(loc="left")
         axes.set_title("")
         axes.set_title(title, loc="left", fontsize=TEXT, color=INK)
         axes.tick_params(labelsize=SMALL, colors=INK)

@@ -1,5 +1,7 @@
 """Modes and frequency responses as results: case files, commands, files, pictures, reports."""
 
+import re
+
 import numpy as np
 from typer.testing import CliRunner
 
@@ -125,3 +127,21 @@ def parse_case_again(case):
     from viscorod.casefile.case import case_from_dict
 
     return case_from_dict(case.to_dict())
+
+
+def test_what_was_assumed_of_the_damping_stands_beside_its_ratios():
+    """Moduli that no Kelvin-Voigt material follows are told where the damping ratio is read, once for equal rods."""
+    omega = 2.0 * np.pi * np.logspace(-1.0, 3.0, 9)
+    moduli = 2e6 + 3e6 * 1j * omega * 0.002 / (1.0 + 1j * omega * 0.002)
+    table = vr.ComplexModuli(frequency=omega / (2.0 * np.pi), storage=moduli.real, loss=moduli.imag)
+    rubber = vr.Material(poissons_ratio=0.49, density=1100.0, damping=table)
+    model = vr.Model()
+    for name in ("left", "right"):
+        section = vr.Rectangle(0.02, 0.005)
+        model.add(name, vr.Rod.straight((0, 0, 0), (0.2, 0, 0), section=section, material=rubber, elements=1))
+        model.clamp(f"{name}.start")
+    found = model.modes(2)
+    text = flat(found.report())
+    for sentence in rubber.assumptions:
+        assert text.count(f"rods left, right: {sentence}") == 1
+    assert re.search(r"loss modulus by \S+ %", text)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
 from functools import cached_property
 from pathlib import Path
@@ -15,6 +16,7 @@ from viscorod.results.text_numbers import number
 from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
+from viscorod.wording import some_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -168,9 +170,21 @@ class Modes(Result):
             modes,
             sure,
         ]
+        if self.assumptions:
+            blocks.append(listed("Assumptions about damping", self.assumptions))
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
         return page(blocks)
+
+    @property
+    def assumptions(self) -> list[str]:
+        """What was assumed of the damping of the rods, one sentence each, such as how well moduli were fitted."""
+        by_rod = json.loads(self.data.attrs.get("damping_assumptions", "{}"))
+        sentences: dict[str, list[str]] = {}
+        for rod, texts in by_rod.items():
+            for text in texts:
+                sentences.setdefault(text, []).append(rod)
+        return [f"rod{'s' * (len(rods) > 1)} {some_of(rods)}: {text}" for text, rods in sentences.items()]
 
     @property
     def about(self) -> str:
