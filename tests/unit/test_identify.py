@@ -154,7 +154,11 @@ def test_a_motion_that_the_model_has_not_is_told_beside_every_interval(two_times
 FAULTS = {
     "sign": (lambda t, y: -y, {}, "on the other side of its rest than the model"),
     "unit": (lambda t, y: 1e3 * y, {}, "times as far as the model: look at the unit"),
-    "axis": (lambda t, y: y, {"direction": "z"}, "hardly moves where tip was measured"),
+    "axis": (
+        lambda t, y: y,
+        {"direction": "z"},
+        "hardly moves where tip was measured (beam.end, displacement z)",
+    ),
     "range": (lambda t, y: np.clip(y, -0.6 * y.max(), 0.6 * y.max()), {}, "it is clipped there"),
     "zero": (lambda t, y: y + 0.01, {}, "unknown = ['offset']"),
     "drift": (lambda t, y: y + 0.03 * t, {"unknown": ["offset"]}, "unknown = ['drift']"),

@@ -13,6 +13,7 @@ from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.told import CORRELATED, whiteness
 from viscorod.records.decay_doubts import clipped_samples
 from viscorod.records.motion_record import Record
+from viscorod.records.read_off import direction_text
 from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.typing import Floats
 
@@ -62,8 +63,8 @@ def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
         return
     if model <= STILL * range_of:
         yield (
-            f"The model hardly moves where {record.name} was measured ({record.place}, {record.quantity} along "
-            f"{record.direction}): is that its place and direction?"
+            f"The model hardly moves where {record.name} was measured ({record.place}, {record.quantity} "
+            f"{direction_text(record.direction)}): is that its place and direction?"
         )
         return
     if _clipped(measured):
