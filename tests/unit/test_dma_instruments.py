@@ -156,10 +156,7 @@ def test_several_sweeps(tmp_path, name):
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        (
-            "log f [Hz];E' [MPa];E'' [MPa]\n0;2;0.2\n",
-            r"log f \[Hz\]: line 1 names columns of logarithms, and not of which base",
-        ),
+        ("log f [Hz];E' [MPa];E'' [MPa]\n0;2;0.2\n", "log f .*line 1 names columns of logarithms, and not of"),
         ("T [°C];E' (1 Hz) [MPa];E'' (1 Hz) [MPa];E' (10 Hz) [MPa]\n20;2;0.2;3\n", "no complex modulus for 10 Hz"),
         ("T [°C];E' (1,000 Hz) [MPa];E'' (1,000 Hz) [MPa]\n20;2;0.2\n", "comma may mark decimals or thousands"),
         ("T [°C];E' [MPa];E'' [MPa];E' (1 Hz) [MPa]\n20;2;0.2;3\n", "no complex modulus for 1 Hz"),

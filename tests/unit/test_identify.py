@@ -132,6 +132,58 @@ def test_the_page_is_one_file_that_needs_no_network(two_times, tmp_path):
         assert words in text
 
 
+def test_a_motion_that_the_model_has_not_is_told_beside_every_interval(two_times, tmp_path):
+    """The swing with a smaller one of another frequency added: no time and no modulus explains it."""
+    right = history(swing())
+    more = 0.2 * np.interp(1.3 * right.times, right.times, right.values)
+    wrong = vr.Record(
+        right.times, right.values + more, place="beam.end", quantity="displacement", direction="y", name="tip"
+    )
+    fit = vr.identify(swing(youngs_modulus=1.2e6), wrong, {YOUNG: None, BOTH: 0.03}, profile=False)
+    assert fit.missed == ["tip"]
+    assert two_times.missed == []
+    numbers = [*fit.numbers.values(), *fit.combinations.values(), *fit.in_programs.values()]
+    assert all("model misses motion" in one.how for one in numbers)
+    assert "model misses motion" not in two_times[YOUNG].how
+    words = " ".join(fit.report().split())
+    for text in ("intervals of 95%", "other programs"):
+        assert f"{text}: too narrow, the model misses part of tip" in words
+    assert vr.load(fit.save(tmp_path / "fit.nc")).missed == ["tip"]
+
+
+FAULTS = {
+    "sign": (lambda t, y: -y, {}, "on the other side of its rest than the model"),
+    "unit": (lambda t, y: 1e3 * y, {}, "times as far as the model: look at the unit"),
+    "axis": (
+        lambda t, y: y,
+        {"direction": "z"},
+        "hardly moves where tip was measured (beam.end, displacement z)",
+    ),
+    "range": (lambda t, y: np.clip(y, -0.6 * y.max(), 0.6 * y.max()), {}, "it is clipped there"),
+    "zero": (lambda t, y: y + 0.01, {}, "unknown = ['offset']"),
+    "drift": (lambda t, y: y + 0.03 * t, {"unknown": ["offset"]}, "unknown = ['drift']"),
+    "late": (lambda t, y: np.interp(t - 0.02, t, y), {}, "unknown = ['release_time']"),
+}
+
+
+@pytest.mark.parametrize("name", FAULTS)
+def test_common_faults_of_a_measurement_are_named(name):
+    change, more, words = FAULTS[name]
+    right = history(swing(), size=5e-4)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": "tip"}
+    record = vr.Record(right.times, change(right.times, right.values), **(about | more))
+    fit = vr.identify(swing(youngs_modulus=1.1e6), record, {YOUNG: None, BOTH: 0.03}, profile=False)
+    assert words in fit.sentences[0]
+    assert fit.missed == ([] if name == "zero" else ["tip"])
+
+
+def test_a_history_in_which_nothing_moves_is_told():
+    times = np.linspace(0.0, 0.8, 100)
+    still = vr.Record(times, 0.0 * times, place="beam.end", quantity="displacement", direction="y")
+    fit = vr.identify(swing(), still, {YOUNG: (0.9e6, 1e6, 1.1e6)}, profile=False)
+    assert "Nothing moves" in fit.sentences[0]
+
+
 def test_one_time_to_the_bound_of_cramer_and_rao_and_in_other_programs_numbers():
     """With white noise of known size the covariance is sigma^2 (J^T J)^-1, here by differences of its own."""
     record = history(swing(), size=1e-3, seed=4)

@@ -92,6 +92,10 @@ def test_laws_do_not_depend_on_a_reference_in_the_glass():
     wlf = vr.WLF(reference=about, c1=shift["c1"], c2=shift["c2"])
     for celsius in (53.0, 81.0):
         assert wlf.decades(celsius) == pytest.approx(law(celsius) - law(about), abs=0.05)
+    with pytest.warns(
+        vr.AccuracyWarning, match="fitted from 39 to .* at 20 C it is carried on.*sweep at 19 C itself"
+    ):
+        found.material(20.0, density=1100.0, poissons_ratio=0.45)
     rubber = vr.Material(**found.material(67.0, density=1100.0, poissons_ratio=0.45))
     omega = 2.0 * np.pi * np.array([0.3, 3.0, 10.0])
     exact = TRUTH.shifted(10.0 ** law(67.0)).complex_modulus(omega)

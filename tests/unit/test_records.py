@@ -301,3 +301,13 @@ def test_units_of_accelerometers_and_gauges(tmp_path):
     strained = vr.Record.read(tmp_path / "a.csv", "e", quantity="strain", direction="stretch", **at)
     assert strained.values == pytest.approx([250e-6, 10e-6])
     assert columns_of(tmp_path / "a.csv").names == ("t", "a", "e")
+
+
+def test_a_record_says_its_direction_as_it_is_typed():
+    def text(direction):
+        about = {"place": "beam.end", "quantity": "displacement", "direction": direction}
+        return str(vr.Record([0.0, 1.0], [0.0, 1.0], **about))
+
+    assert "displacement y of beam.end [m]" in text("y")
+    assert "displacement -z of beam.end [m]" in text((0.0, 0.0, -2.0))
+    assert "displacement along (0.6, 0.8, 0) of beam.end [m]" in text((3.0, 4.0, 0.0))

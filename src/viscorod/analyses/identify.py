@@ -12,13 +12,14 @@ import numpy as np
 
 from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
+from viscorod.analyses.identification.common_faults import common_faults
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
 from viscorod.analyses.identification.laws import compared_laws, require_laws
 from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.named_combinations import combinations
 from viscorod.analyses.identification.sought import Range, series_of, sought
-from viscorod.analyses.identification.told import dominant_frequencies, sentences_of
+from viscorod.analyses.identification.told import dominant_frequencies, missed, sentences_of
 from viscorod.casefile.case import Case
 from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
@@ -153,7 +154,11 @@ def identify(
     programs, no_programs = in_programs(
         cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
     )
-    sentences = [*sentences_of(found.estimate, found.known, limits, told), *no_programs]
+    sentences = [
+        *common_faults(found.members, found.estimate),
+        *sentences_of(found.estimate, found.known, limits, told),
+        *no_programs,
+    ]
     if compared is not None:
         sentences = [*compared.sentences, *sentences]
     attrs = {
@@ -168,6 +173,7 @@ def identify(
         "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
         "records": json.dumps([record.name for member in found.members for record in member.records]),
         "sentences": json.dumps(sentences),
+        "missed": json.dumps(missed(found.estimate)),
     }
     chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None
     return Identification(fit_dataset(found, limits, told, programs, attrs, compared, chains))

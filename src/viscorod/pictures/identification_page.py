@@ -15,7 +15,13 @@ from viscorod.pictures.plots.plot_identification import (
     draw_identification,
     draw_intervals,
 )
-from viscorod.results.identification_report import FORETOLD, foretold_table, limits_text, with_prefix
+from viscorod.results.identification_report import (
+    FORETOLD,
+    foretold_table,
+    limits_text,
+    what_intervals_are_worth,
+    with_prefix,
+)
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -88,7 +94,8 @@ def page_text(fit: Identification) -> str:
 
 def _summary(fit: Identification) -> str:
     sizes, starts = fit.data.sizes, int(fit.data.attrs["starts"])
-    text = f"{sizes['value']} values in {sizes['series']} series; intervals of {fit.level:.0%}."
+    text = f"{sizes['value']} values in {sizes['series']} series; intervals of {fit.level:.0%}"
+    text += f"{what_intervals_are_worth(fit)}."
     if starts > 1:
         text += f" {fit.data.attrs['agreeing_starts']} of {starts} starts ended in this minimum."
     return text

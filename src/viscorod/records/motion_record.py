@@ -351,17 +351,12 @@ class Record(AnyRecord):
         )
 
     def __str__(self) -> str:
-        along = (
-            self.direction
-            if isinstance(self.direction, str)
-            else np.array2string(self.direction, precision=4)
-        )
         rate = self.interval
         sampled = "unevenly" if rate is None else f"at {1.0 / rate:.6g} Hz"
         noise = "not known" if self.noise is None else f"{float(np.median(self.noise)):.3g} {self.unit}"
         unknown = ", ".join(one.name for one in self.nuisances.values()) or "nothing"
         return (
-            f"Record {self.name}: {self.quantity} of {self.place} along {along} [{self.unit}], "
+            f"Record {self.name}: {self.quantity} {direction_text(self.direction)} of {self.place} [{self.unit}], "
             f"{len(self.times)} samples {sampled} from {self.times[0]:.6g} to {self.times[-1]:.6g} s; "
             f"noise {noise}; unknown: {unknown}"
         )

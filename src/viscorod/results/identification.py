@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 __all__ = ["Foretold", "Identification", "Law", "Number"]
 
+MISSES = "model misses motion"
 HALF = "half of the 95 % interval"
 VARIABLES: Variables = {
     "unknown": (("unknown",), "", "key of a number of the case, or name of a number of the measurement"),
@@ -114,7 +115,8 @@ class Number:
     Attributes:
         name: of it; value: in SI.
         low, high: ends of its interval; infinite (or 0 of positive numbers) where the data cannot tell.
-        standard_error: SI; how: by which the interval was found.
+        standard_error: SI; how: by which the interval was found, and "model misses motion" where it does not hold for
+            what the model leaves out.
         unit: SI unit, "1" of a plain number, empty where it is not known.
     """
 
@@ -234,7 +236,7 @@ class Identification(StatelessResult):
                 (0.0 if relative else -np.inf) if data["low_open"].values[k] else float(data["low"].values[k])
             )
             high = np.inf if data["high_open"].values[k] else float(data["high"].values[k])
-            how = str(data["interval_by"].values[k])
+            how = str(data["interval_by"].values[k]) + (f"; {MISSES}" if self.missed else "")
             found[str(name)] = Number(
                 str(name),
                 float(data["estimate"].values[k]),
@@ -265,9 +267,10 @@ class Identification(StatelessResult):
     @property
     def combinations(self) -> dict[str, Number]:
         """What the data tell of several unknowns together, by name."""
+        how = MISSES if self.missed else ""
         values, low, high = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
         return {
-            name: Number(name, float(value), float(below), float(above), unit=unit)
+            name: Number(name, float(value), float(below), float(above), how=how, unit=unit)
             for (name, unit), value, below, above in zip(
                 self.words("combinations"), values, low, high, strict=True
             )
@@ -276,10 +279,11 @@ class Identification(StatelessResult):
     @property
     def in_programs(self) -> dict[str, Number]:
         """The damping in the numbers of other programs, by program and number."""
+        how = MISSES if self.missed else ""
         values, low, high = (self._values(f"program_{word}") for word in ("value", "low", "high"))
         names = self.words("program_numbers")
         return {
-            name: Number(name, float(value), float(below), float(above))
+            name: Number(name, float(value), float(below), float(above), how=how)
             for name, value, below, above in zip(names, values, low, high, strict=True)
         }
 
@@ -366,6 +370,11 @@ class Identification(StatelessResult):
     def sentences(self) -> list[str]:
         """What the fit says, in words: what cannot be told, what is excluded."""
         return [str(text) for text in self.words("sentences")]
+
+    @property
+    def missed(self) -> list[str]:
+        """Series of which the model misses part of the motion: intervals do not hold for what it leaves out."""
+        return [str(text) for text in self.words("missed")]
 
     @property
     def units(self) -> dict[str, str]:

@@ -13,7 +13,14 @@ from viscorod.results.text_table import listed, page, table
 if TYPE_CHECKING:
     from viscorod.results.identification import Identification, Number
 
-__all__ = ["FORETOLD", "foretold_table", "identification_report", "limits_text", "with_prefix"]
+__all__ = [
+    "FORETOLD",
+    "foretold_table",
+    "identification_report",
+    "limits_text",
+    "what_intervals_are_worth",
+    "with_prefix",
+]
 
 FORETOLD = "Records left out, foretold and measured (+- 95 %)"
 
@@ -28,9 +35,10 @@ def identification_report(fit: Identification) -> str:
     starts = int(fit.data.attrs["starts"])
     if starts > 1:
         heading += f"\n{fit.data.attrs['agreeing_starts']} of {starts} starts ended in this minimum"
-    blocks = [heading, _numbers(f"Numbers of the model, intervals of {fit.level:.0%}", fit.parameters)]
+    worth = what_intervals_are_worth(fit)
+    blocks = [heading, _numbers(f"Numbers of the model, intervals of {fit.level:.0%}{worth}", fit.parameters)]
     if fit.nuisances:
-        blocks.append(_numbers("Numbers of the measurement", fit.nuisances))
+        blocks.append(_numbers(f"Numbers of the measurement{worth}", fit.nuisances))
     if fit.combinations:
         rows = [
             [name, f"{one.value:.5g}", *limits_text(one), one.unit]
@@ -38,7 +46,9 @@ def identification_report(fit: Identification) -> str:
             for one in [with_prefix(number)]
         ]
         blocks.append(
-            table("What the data tell of several together", ["", "value", "low", "high", "unit"], rows)
+            table(
+                f"What the data tell of several together{worth}", ["", "value", "low", "high", "unit"], rows
+            )
         )
     if fit.sentences:
         blocks.append(listed("What to know", fit.sentences))
@@ -51,11 +61,19 @@ def identification_report(fit: Identification) -> str:
     if fit.in_programs:
         rows = [[name, f"{one.value:.5g}", *limits_text(one)] for name, one in fit.in_programs.items()]
         blocks.append(
-            table("The damping in the numbers of other programs", ["", "value", "low", "high"], rows)
+            table(f"The damping in the numbers of other programs{worth}", ["", "value", "low", "high"], rows)
         )
     if fit.warnings:
         blocks.append(listed("Warnings", fit.warnings))
     return page(blocks)
+
+
+def what_intervals_are_worth(fit: Identification) -> str:
+    """Return what the head of a table of intervals has to say of them."""
+    if not fit.missed:
+        return ""
+    listed = " and ".join([*([", ".join(fit.missed[:-1])] if len(fit.missed) > 1 else []), fit.missed[-1]])
+    return f": too narrow, the model misses part of {listed}"
 
 
 def with_prefix(one: Number) -> Number:
@@ -90,7 +108,7 @@ def _numbers(title: str, numbers: dict[str, Number]) -> str:
             *limits_text(one),
             one.unit,
             f"{one.standard_error:.2g}" if one.told else "-",
-            one.how,
+            one.how.partition(";")[0],
         ]
         for name, number in numbers.items()
         for one in [with_prefix(number)]

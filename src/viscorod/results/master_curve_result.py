@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
@@ -10,7 +11,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from viscorod.checks import checked, checked_with, number, word
-from viscorod.errors import InputError
+from viscorod.errors import AccuracyWarning, InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_table import listed, page, table
 from viscorod.shown import counted
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 __all__ = ["MasterCurve"]
 
+BEYOND = 2.0
+"""Distance [K] from the temperatures of a law that is not told."""
 WIDTH = "half of the 95 % interval"
 VARIABLES: Variables = {
     "temperature": (("sweep",), "degC", "temperature of the sample"),
@@ -154,7 +157,8 @@ class MasterCurve(StatelessResult):
     ) -> dict[str, Any]:
         """Return the material at a temperature, as arguments of `Material` and the table of a case file.
 
-        Maxwell branches follow the smooth curve, relaxation times are shifted by the law, moduli by b_T.
+        Maxwell branches follow the smooth curve, relaxation times are shifted by the law, moduli by b_T. Beyond the
+        temperatures that the law was fitted to, an `AccuracyWarning` says so.
 
         Args:
             temperature: of the motion, degrees C.
@@ -168,6 +172,7 @@ class MasterCurve(StatelessResult):
             InputError: there is no such law.
         """
         chosen = self.law if law is None else law
+        self._tell_beyond(chosen, temperature)
         about = self._law_reference(chosen)
         shift = float(np.interp(about, self.temperatures, self.log_shifts))
         lift = self.lift_at(temperature)
@@ -188,6 +193,19 @@ class MasterCurve(StatelessResult):
             "temperature": temperature,
             "shift": self.shift(chosen),
         }
+
+    def _tell_beyond(self, law: str, temperature: float) -> None:
+        fitted = self.temperatures[self._column("in_laws") > 0.0] if law in self.laws else np.zeros(0)
+        if not len(fitted) or fitted.min() - BEYOND <= temperature <= fitted.max() + BEYOND:
+            return
+        nearest = float(self.temperatures[np.argmin(np.abs(self.temperatures - temperature))])
+        warnings.warn(
+            f"the law {law} was fitted from {fitted.min():.4g} to {fitted.max():.4g} C; at {temperature:.4g} C it is "
+            "carried on, and relaxation times may be off by decades: within the measured frequencies take the sweep at "
+            f"{nearest:.4g} C itself (a table with the key temperature)",
+            AccuracyWarning,
+            stacklevel=4,
+        )
 
     def report(self) -> str:
         """Return a report: shifts with intervals, laws, doubts."""

@@ -13,7 +13,15 @@ from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.solve.estimation.noise import ljung_box
 from viscorod.typing import Floats
 
-__all__ = ["at_signal", "dominant_frequencies", "number_text", "sentences_of", "whiteness"]
+__all__ = [
+    "CORRELATED",
+    "at_signal",
+    "dominant_frequencies",
+    "missed",
+    "number_text",
+    "sentences_of",
+    "whiteness",
+]
 
 CORRELATED = 0.01
 """Probability of such an autocorrelation below which residuals are called correlated."""
@@ -76,6 +84,21 @@ def at_signal(best: Estimate) -> list[float]:
     return found
 
 
+def missed(best: Estimate) -> list[str]:
+    """Return the series of which the model misses part, so that intervals do not hold for what it leaves out.
+
+    Residuals are correlated and lie at the frequency of the record, or they are larger than the noise that was told.
+    """
+    listed = zip(best.noise.series, best.noise.found, whiteness(best), at_signal(best), strict=True)
+    return [
+        series.label
+        for series, noise, probability, share in listed
+        if not series.certain
+        and probability < CORRELATED
+        and (share > MISSED or (series.told and noise.factor > LARGER))
+    ]
+
+
 def sentences_of(
     best: Estimate, known: Covariance, limits: Sequence[Interval], told: Sequence[Combination]
 ) -> list[str]:
@@ -112,6 +135,7 @@ def sentences_of(
 
 def _of_residuals(best: Estimate) -> list[str]:
     found = []
+    of_these = missed(best)
     probabilities = whiteness(best)
     shares = at_signal(best)
     for series, noise, probability, share in zip(
@@ -125,7 +149,7 @@ def _of_residuals(best: Estimate) -> list[str]:
             text = (
                 f"What is left of {series.label} is correlated in time (p = {probability:.1g} if it were not)"
             )
-            if share > MISSED or larger:
+            if series.label in of_these:
                 text += f", {100.0 * share:.0f} % of its power at the frequency of the record"
                 text += f" and {level}" if larger else ""
                 text += ": the model misses part of the motion. The intervals allow for it as if it were noise; they "

@@ -1,0 +1,139 @@
+"""What often is wrong with a measurement that a model does not explain: direction, sign, unit, range, nuisances.
+
+Nothing is changed by it. A sentence is said only of a history whose residuals are no white noise.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from viscorod.analyses.identification.members import Member
+from viscorod.analyses.identification.told import CORRELATED, whiteness
+from viscorod.records.decay_doubts import clipped_samples
+from viscorod.records.motion_record import Record
+from viscorod.records.read_off import direction_text
+from viscorod.solve.estimation.least_squares import Estimate
+from viscorod.typing import Floats
+
+__all__ = ["common_faults"]
+
+STILL = 1e-6
+"""Part of the measured range below which the model does not move."""
+OTHER_SIZE = 20.0
+"""Ratio of ranges from which on a unit or gain is spoken of."""
+OFF_REST = 0.2
+"""Part of the range by which a record must begin beside its rest for its sign to be compared."""
+LONG = 0.1
+"""Part of a cycle for which a record at its extreme value is clipped, whatever its resolution."""
+EXPLAINED = 0.6
+"""Part of the power of what is left that an unknown must explain to be named."""
+HINTS = {
+    "offset": "an offset of its zero",
+    "drift": "a drift of its zero",
+    "gain": "another gain",
+    "release_time": "another time of release",
+}
+
+
+def common_faults(members: Sequence[Member], best: Estimate) -> list[str]:
+    """Return sentences on the histories that the model does not explain; see the module."""
+    found = []
+    begin = 0
+    doubtful = {
+        series.label
+        for series, probability in zip(best.noise.series, whiteness(best), strict=True)
+        if probability < CORRELATED
+    }
+    for member in members:
+        for record in member.records:
+            rows = slice(begin, begin + len(record.observed))
+            begin = rows.stop
+            if isinstance(record, Record) and record.name in doubtful:
+                found += list(_faults(record, best, rows))
+    return found
+
+
+def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
+    measured, predicted = best.measured[rows], best.predicted[rows]
+    range_of, model = float(np.ptp(measured)), float(np.ptp(predicted))
+    if range_of == 0.0:
+        yield f"Nothing moves in {record.name}: all its values are {record.values[0]:g}."
+        return
+    if model <= STILL * range_of:
+        yield (
+            f"The model hardly moves where {record.name} was measured ({record.place}, {record.quantity} "
+            f"{direction_text(record.direction)}): is that its place and direction?"
+        )
+        return
+    if _clipped(measured):
+        yield (
+            f"The largest values of {record.name} come several times in a row: it is clipped there. Cut a window in "
+            "which it is not."
+        )
+        return
+    sides = [_off_rest(values) for values in (measured, predicted)]
+    if sides[0] * sides[1] < 0.0 and min(map(abs, sides)) > OFF_REST:
+        yield (
+            f"{record.name} begins on the other side of its rest than the model: its direction may be the opposite one."
+        )
+        return
+    if not 1.0 / OTHER_SIZE < range_of / model < OTHER_SIZE:
+        yield (
+            f"{record.name} moves {range_of / model:.3g} times as far as the model: look at the unit of its values, or "
+            "give it an unknown gain with bounds about that."
+        )
+        return
+    yield from _nuisances(record, best, rows)
+
+
+def _clipped(values: Floats) -> bool:
+    """Return whether a history stays at an extreme value; what stood still before it was let go does not count."""
+    cycle = _samples_per_cycle(values)
+    if clipped_samples(values, cycle).any():
+        return True
+    for extreme in (values.max(), values.min()):
+        edges = np.flatnonzero(np.diff(np.concatenate([[False], values == extreme, [False]]).astype(int)))
+        runs = (edges[1::2] - edges[::2])[edges[::2] > 0]
+        if len(runs) and int(runs.max()) > max(LONG * cycle, 2.0):
+            return True
+    return False
+
+
+def _samples_per_cycle(values: Floats) -> float:
+    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
+    return len(values) / max(int(np.argmax(power)), 1)
+
+
+def _off_rest(values: Floats) -> float:
+    """Return how far the first values are from the rest, over the range."""
+    count = len(values)
+    rest = float(np.median(values[-max(count // 3, 1) :]))
+    return (float(np.mean(values[: max(count // 50, 1)])) - rest) / max(float(np.ptp(values)), 1e-300)
+
+
+def _nuisances(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
+    """Tell which number of the measurement, not sought so far, would explain most of what is left."""
+    known = {full.removeprefix(f"{record.name}.") for full in record.nuisances}
+    residual, predicted = best.residuals[rows], best.predicted[rows]
+    shapes = {
+        "offset": np.ones(len(residual)),
+        "drift": record.times - record.times[0],
+        "gain": predicted - predicted.mean(),
+        "release_time": np.gradient(predicted, record.times),
+    }
+    q = np.linalg.qr(best.slopes[rows])[0]
+    left = residual - q @ (q.T @ residual)
+    shares = {}
+    for name, shape in shapes.items():
+        own = shape - q @ (q.T @ shape)
+        size = float(own @ own)
+        if name not in known and size > 1e-6 * float(shape @ shape):
+            shares[name] = float(own @ left) ** 2 / (size * max(float(left @ left), 1e-300))
+    name = max(shares, key=lambda one: shares[one], default="")
+    if name and shares[name] > EXPLAINED:
+        yield (
+            f"{100.0 * shares[name]:.0f} % of what is left of {record.name} is what {HINTS[name]} would leave: if it "
+            f"may have one, give it unknown = ['{name}']."
+        )
