@@ -247,3 +247,22 @@ def test_critical_loads_are_kept_drawn_and_told(tmp_path):
         vr.view(none, tmp_path / "page.html")
     assert "none were found" in flat(none.report())
     none.plot(tmp_path / "none.png")
+
+
+def test_a_heated_bar_between_clamps():
+    """Closed form: 4 pi^2 (EI/EA)/L^2 of free growth, since the bar stays straight and as long as it is."""
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 30.0, 1.0], [1.0, 1.0, 1.0, 1e-6, 1e-6, 2e-6])
+    model = vr.Model()
+    bar = vr.Rod.straight(
+        (0, 0, 0), (0, 0, 1), section=section, elements=4, order=6, constraints="unshearable"
+    )
+    model.add("bar", bar)
+    model.clamp("bar.start")
+    model.clamp("bar.end")
+    model.rest_strain("bar", (0, 0, 1e-6, 0, 0, 0))
+    found = model.buckling(count=1)
+    assert found.linear[0] == pytest.approx(4.0 * np.pi**2, rel=1e-6)
+    assert found.load_factors[0] == pytest.approx(4.0 * np.pi**2, rel=1e-6)
+    # the motions of the bar tell the same, also where a pivot is exactly zero on the way to the limit
+    (limit,) = model.stability(band=(30.0, 45.0), count=3, modes=1).limits
+    assert (limit.kind, limit.at) == ("divergence", pytest.approx(4.0 * np.pi**2, rel=1e-6))

@@ -95,7 +95,8 @@ def _slope(path: ArcLength, state: State, factor: float) -> tuple[sparse.csr_arr
     as_given = rest.copy()
 
     def tangent_at(distance: float) -> Tangent:
-        static.restore(state, path.t, before=path.before, scale=factor)
+        # with the rest strains of there: what heat or a muscle makes in a shape that does not move
+        static.restore(state, path.t, before=path.before, scale=factor + distance)
         there = state.copy()
         system.carry_stress(distance * per_factor)
         there.multiplier += distance * multiplier
