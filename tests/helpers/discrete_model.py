@@ -10,7 +10,8 @@ from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import ExternalLoads
-from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha, Relation
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
+from viscorod.solve.transient.integrators.momentum_model import Relation
 
 TIME = 0.3
 

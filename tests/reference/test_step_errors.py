@@ -9,7 +9,8 @@ import viscorod as vr
 from helpers.plain_text import flat
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.result_warnings import warnings_of
-from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, GeneralizedAlpha
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
+from viscorod.solve.transient.integrators.momentum_model import Coefficients
 from viscorod.solve.transient.integrators.stability import order, seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, radau
 

@@ -137,7 +137,7 @@ def test_work_of_all_forces_matches_the_change_of_energy():
 
 def test_coefficients_of_the_method():
     """Trapezoidal rule for a spectral radius of 1; second-order condition of Jansen et al. (2000) for all."""
-    from viscorod.solve.transient.integrators.generalized_alpha import Coefficients
+    from viscorod.solve.transient.integrators.momentum_model import Coefficients
 
     c = Coefficients.of(1.0)
     assert (c.mass, c.force, c.gamma) == (0.5, 0.5, 0.5)

@@ -12,16 +12,15 @@ from collections.abc import Callable
 from typing import Any
 
 from llvmlite import ir
-from numba import types
 from numba.core import cgutils
 from numba.extending import intrinsic
 
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.compilation.references import numbers_of, referred
 
 __all__ = ["address_of", "far", "returning"]
 
-_unliteral: Any = types.unliteral
 _alloca: Any = cgutils.alloca_once
 
 
@@ -47,15 +46,17 @@ def far(kernel: Callable[..., Any], result: Any) -> Callable[[int, tuple[Any, ..
 
 
 def returning(result: Any) -> Callable[[int, tuple[Any, ...]], Any]:
-    """Return what calls a kernel that returns a ``result`` from compiled code, by its address and arguments."""
+    """Return what calls a kernel that returns a ``result`` from compiled code, by its address and arguments.
+
+    References among the arguments, or in bundles of them, stand for what they refer to.
+    """
 
     def invoke(_context: Any, address: Any, arguments: Any) -> Any:
-        kinds = tuple(_unliteral(kind) for kind in arguments)
+        kinds = tuple(referred(kind) for kind in arguments)
 
         def generate(context: Any, builder: Any, _signature: Any, given: Any) -> Any:
             kind = context.call_conv.get_function_type(result, kinds)
-            values = [builder.extract_value(given[1], k) for k in range(len(kinds))]
-            flat = context.get_arg_packer(kinds).as_arguments(builder, values)
+            flat = numbers_of(context, builder, arguments, given[1])
             out, error = (_alloca(builder, kind.args[k].pointee) for k in range(2))
             builder.call(builder.inttoptr(given[0], ir.PointerType(kind)), [out, error, *flat])
             return context.get_returned_value(builder, result, builder.load(out))

@@ -115,20 +115,11 @@ def lane_kernel(function: Kernel) -> Kernel:
     Loops over lanes vectorise where row lengths are constants, formulas stay in registers, and parts of a step take
     bundles of arrays without a copy of all that describes them.
     """
-    return _inlined(function, _FAST)
-
-
-def loop_part(function: Kernel) -> Kernel:
-    """Do so with a part of a :func:`loop`: bit for bit, its numbers are those of Python."""
-    return _inlined(function, False)
-
-
-def _inlined(function: Kernel, fast: set[str] | bool) -> Kernel:
     if PURE_PYTHON:
         return function
     compiled = _njit(
         error_model="numpy",
-        fastmath=fast,
+        fastmath=_FAST,
         forceinline=True,
         _nrt=False,
         no_cpython_wrapper=True,

@@ -29,7 +29,7 @@ SHIPPED = Path(__file__).parents[2] / "machine_code"
 MAKES = "VISCOROD_MAKES_MACHINE_CODE"
 """The folder that machine code for a wheel is written to, in the environment of the process that makes it."""
 
-_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part|loop_part)$", re.MULTILINE)
+_MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part)$", re.MULTILINE)
 _IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
 
 _config: Any = numba.config

@@ -48,6 +48,7 @@ class BallMotors:
         self._axes = geometry[self.coordinates[:, 0], AT_Q_A : AT_Q_A + 4].copy()
         self._turned = np.tile([1.0, 0.0, 0.0, 0.0], (len(found), 1))
         self._psi, self._theta = np.zeros((2, len(found), 3))
+        self._none: Integers = np.zeros(0, dtype=np.int64)
 
     def follow(self, target: Floats, rate: Floats) -> None:
         """Replace the targets and rates ``(c,)`` of these coordinates by those relative to the turned axes."""
@@ -104,6 +105,8 @@ class BallMotors:
 
     def _far(self) -> Integers:
         """Return the joints whose coordinates are not the rotation vectors themselves."""
+        if not len(self.coordinates):
+            return self._none
         return np.flatnonzero(np.any(self._psi != self._theta, axis=1))
 
 

@@ -379,6 +379,8 @@ class Constraints:
 
         The rate is the mean one of the step, as for sections.
         """
+        if self.joints.count == 0:
+            return 0.0
         total = 0.0
         if duration > 0.0:
             rate = (self.value - self._earlier) / duration
@@ -392,4 +394,6 @@ class Constraints:
 
     def motor_power(self) -> float:
         """Return the power [W] that motors put in, in the state of the last measurement."""
+        if not self.joints.motions:
+            return 0.0
         return -float(np.sum(self.force[self.is_held] * self.target_rate[self.is_held]))

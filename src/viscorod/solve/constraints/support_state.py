@@ -145,6 +145,8 @@ class SupportState:
 
         How fast rotations change follows from the twists: the reaction's moment acts about the axes in space.
         """
+        if not self.moving:
+            return 0.0
         speeds = self.rate.copy()
         directions = self.directions.G[:, 3:, 3:]
         turning = np.einsum("mij,mj->mi", directions, state.twist[self.set.nodes, 3:])

@@ -13,7 +13,8 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.company import Company
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
-from viscorod.solve.transient.transient_solver import Transient, TransientResult
+from viscorod.solve.transient.transient_result import TransientResult
+from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
 
 __all__ = ["GivenSteps", "Retraced", "side_by_side"]

@@ -11,23 +11,20 @@ import numpy as np
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
-from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.halved_steps import HalvedSteps, Reached, TriedStep
 from viscorod.solve.transient.integrators import loop_data, step_loop
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
-from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
+from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import (
-    Between,
     StepEnd,
 )
-from viscorod.solve.transient.integrators.stage_data import Matrices, StepStart
 from viscorod.solve.transient.loop_addresses import find_addresses
+from viscorod.solve.transient.loop_arrays import MOST_STEPS, NOWHERE, loop_arrays
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.solve.transient.trial_choice import LONGER, SETTLED
@@ -35,14 +32,8 @@ from viscorod.typing import Floats
 
 __all__ = ["ManySteps", "Taken"]
 
-MOST_STEPS = 64
-"""Steps at once: an interrupt waits for them."""
-MOST_ROWS = 256
-"""States at once."""
 MOST_NODES = 300
 """Nodes of a model up to which Python between the steps is worth saving."""
-LEAST_STEP = 1e-6
-"""Shortest step over the duration: one by one, steps are watched more closely."""
 
 
 class Taken(NamedTuple):
@@ -81,68 +72,7 @@ class ManySteps:
         output_interval: float | None,
     ) -> None:
         self.integrator, self.control = integrator, control
-        stages, body, lent = integrator.stages, integrator.body, integrator.lent
-        n, s = len(body.mass), len(integrator.tableau.nodes)
-        fields, reaction = integrator.recorder.present
-        points, supports = fields.shape[1], len(reaction)
-        self._points, self._reactions = np.empty((2, 3, points, 6)), np.empty((2, supports, 6))
-        predictor = integrator.predictor
-        self._state = loop_data.LoopState(
-            StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
-            MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
-            lent.kept,
-            predictor.stresses.reshape(s + 1, -1),
-            stages.stress.reshape(s, -1),
-            StepEnd.of(stages, lent.reading),
-            self._points,
-            self._reactions,
-            np.empty((s, s + 1)),
-            _followed(integrator.tolerance, n),
-        )
-        self._model = loop_data.LoopModel(
-            body,
-            integrator.actions.motion,
-            integrator.actions.stage_loads,
-            lent.parts,
-            lent.reading,
-            predictor.gap,
-        )
-        self._systems = loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places)
-        rows = MOST_ROWS
-        self._batch = loop_data.Batch(
-            np.zeros(MOST_STEPS),
-            np.zeros(MOST_STEPS),
-            np.zeros((3, MOST_STEPS), dtype=np.int64),
-            np.zeros((MOST_STEPS + 1, 4)),
-            np.zeros(rows),
-            np.full(rows + 1, 0.5),
-            np.zeros(rows, dtype=np.int64),
-            Between.of(rows + loop_data.EXTRA_ROWS, n, points, supports),
-            np.zeros(loop_data.MARKS, dtype=np.int64),
-            np.zeros((loop_data.MOST_TRIALS, 4)),
-        )
-        self._clock, self._trials = np.zeros(loop_data.CLOCK), np.zeros(loop_data.TRIALS)
-        self._numbers = np.zeros(loop_data.NUMBERS, dtype=np.int64)
-        self._backup = _backup(self._state, lent.parts.matrices, self._clock)
-        self._limits = np.zeros(loop_data.LIMITS)
-        order = float(integrator.estimate_order + 1)
-        self._follows = type(integrator.tolerance) is PartOfMotion
-        self._limits[loop_data.FOLLOWS : loop_data.LIMITS] = (
-            LEAST_CHANGE if self._follows else 0.0,
-            integrator.step_factor,
-            integrator.newton_factor,
-            integrator.newton_power,
-            integrator.stale,
-            integrator.iterations,
-            integrator.largest_turn,
-            order,
-            0.0 if output_interval is None else output_interval,
-            duration,
-            LEAST_STEP * duration,
-            s + 1,
-            100.0,
-            0.0,
-        )
+        self._loop = loop_arrays(integrator, control, duration, output_interval)
         self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
         self._addresses: loop_data.Addresses | None = None
         self._steps = KnownTypes(step_loop.take_steps)
@@ -181,7 +111,7 @@ class ManySteps:
     @property
     def ready(self) -> bool:
         """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
-        factors, known = self.integrator.systems.factors, self._model.parts.factors
+        factors, known = self.integrator.systems.factors, self._loop.model.parts.factors
         return factors is known and self.integrator.predictor.last is not None
 
     def take(
@@ -193,14 +123,14 @@ class ManySteps:
             number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
             halved: that tries some again; account: before them.
         """
-        batch, numbers = self._batch, self._numbers
+        batch, numbers = self._loop.batch, self._loop.numbers
         self._begin(account)
-        trials = self._trials
+        trials = self._loop.trials
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
             trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
             twin: Any = halved.twin
-            self._limits[loop_data.HALF] = twin.half_tolerance
+            self._loop.limits[loop_data.HALF] = twin.half_tolerance
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: loop_data.MARKS]
@@ -223,7 +153,7 @@ class ManySteps:
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
-        rows = len(self._batch.states.r) - loop_data.EXTRA_ROWS
+        rows = len(self._loop.batch.states.r) - loop_data.EXTRA_ROWS
 
         def state(k: int) -> Snapshot:
             return self._states(slice(rows + k, rows + k + 1)).at(0)
@@ -232,9 +162,9 @@ class ManySteps:
 
     def tried(self) -> dict[int, TriedStep]:
         """Return the steps that were tried again, and whose halves came to their ends, by their numbers from 0."""
-        batch, found = self._batch, {}
+        batch, found = self._loop.batch, {}
         first = len(batch.states.r) - loop_data.EXTRA_ROWS + loop_data.MARKS
-        for number, end, h, complete in batch.trials[: self._numbers[loop_data.TRIED]].tolist():
+        for number, end, h, complete in batch.trials[: self._loop.numbers[loop_data.TRIED]].tolist():
             start, middle, whole, better_middle, better = (
                 self._reached(first + k) for k in range(loop_data.TRIAL_ROWS)
             )
@@ -246,7 +176,7 @@ class ManySteps:
 
     def _reached(self, row: int) -> Reached:
         """Return the state in a row, and its section forces."""
-        found = self._batch.states
+        found = self._loop.batch.states
         state = State(found.r[row], found.q[row], found.twist[row], self.integrator.state.multiplier)
         return Reached(state, found.fields.points[2, row])
 
@@ -261,30 +191,17 @@ class ManySteps:
 
     def bring(self, account: EnergyAccount) -> None:
         """Bring the energy account to the end of the steps taken."""
-        steps = int(self._numbers[loop_data.STEPS])
-        account.kinetic, account.elastic, account.viscous, account.external = self._batch.accounts[
+        steps = int(self._loop.numbers[loop_data.STEPS])
+        account.kinetic, account.elastic, account.viscous, account.external = self._loop.batch.accounts[
             steps
         ].tolist()
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls."""
-        self._steps.compiled(self._arguments(loop_data.Addresses._make([*[0] * 12, np.zeros(4)])))
+        self._steps.compiled(self._arguments(NOWHERE))
 
     def _arguments(self, addresses: loop_data.Addresses) -> tuple[Any, ...]:
-        return (
-            self._model,
-            self.integrator.tableau,
-            self._systems,
-            self._state,
-            addresses,
-            self._clock,
-            self._numbers,
-            self._limits,
-            self.control.numbers,
-            self._trials,
-            self._batch,
-            self._backup,
-        )
+        return (self._loop._replace(calls=addresses),)
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
@@ -292,13 +209,13 @@ class ManySteps:
         Args:
             account: before the first of them.
         """
-        batch, rows = self._batch, int(self._numbers[loop_data.ROWS])
+        batch, rows = self._loop.batch, int(self._loop.numbers[loop_data.ROWS])
         if not rows:
             return None
         of_step, places = batch.of_step[:rows], batch.places[:rows]
         states = self._states(slice(rows))
         kinetic, work, loss, _ = batch.states.energies[:, :rows]
-        steps = int(self._numbers[loop_data.STEPS])
+        steps = int(self._loop.numbers[loop_data.STEPS])
         accounts = np.zeros((steps + 1, 8))
         accounts[:, :4], accounts[:, 5:] = (
             batch.accounts[: steps + 1],
@@ -321,7 +238,7 @@ class ManySteps:
 
     def _states(self, rows: slice) -> Snapshots:
         """Return the states in some rows, in arrays of their own."""
-        found = self._batch.states
+        found = self._loop.batch.states
         strain, rate, force = found.fields.points[:, rows].copy()
         kinetic, _, _, elastic = found.energies[:, rows].copy()
         return Snapshots(
@@ -339,32 +256,37 @@ class ManySteps:
 
     def _begin(self, account: EnergyAccount) -> None:
         """Hand the present state over."""
-        integrator, clock, numbers, batch = self.integrator, self._clock, self._numbers, self._batch
+        integrator, clock, numbers, batch = (
+            self.integrator,
+            self._loop.clock,
+            self._loop.numbers,
+            self._loop.batch,
+        )
         known = integrator.predictor.last
         assert known is not None
         (old, length), state = known, integrator.state
-        for to, given in ((self._state.now, state), (self._state.last, old)):
+        for to, given in ((self._loop.state.now, state), (self._loop.state.last, old)):
             to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
-        self._points[1], self._reactions[1] = integrator.recorder.present
-        now = self._state.now
+        self._loop.state.points[1], self._loop.state.reactions[1] = integrator.recorder.present
+        now = self._loop.state.now
         course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
         clock[:], numbers[:] = 0.0, 0
         self._began = integrator.t
         clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
         clock[loop_data.LAST_STEP] = length
         numbers[loop_data.HAVE], numbers[loop_data.FRESH] = course.have_jacobian, course.fresh_jacobian
-        limits = self._limits
+        limits = self._loop.limits
         limits[loop_data.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
         limits[loop_data.NEWTON] = integrator.newton_tolerance
         if isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.start is not None:
-            follows, begun = self._state.follows, integrator.tolerance.start
+            follows, begun = self._loop.state.follows, integrator.tolerance.start
             follows.r[:], follows.q[:] = begun.r, begun.q
         batch.notes[0], batch.states.energies[3] = 0, 0.0
         batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
 
     def _finish(self) -> None:
         """Bring the integrator to where the loop ended."""
-        clock, numbers, given = self._clock, self._numbers, self._state
+        clock, numbers, given = self._loop.clock, self._loop.numbers, self._loop.state
         multiplier = self.integrator.state.multiplier
         now, old = (
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
@@ -377,10 +299,10 @@ class ManySteps:
         self.integrator.take_back(now, course)
         if numbers[loop_data.LOST] and factor_step > 0.0:
             self.integrator.systems.want(self.integrator.matrices, factor_step)
-        self.integrator.newton_tolerance = float(self._limits[loop_data.NEWTON])
+        self.integrator.newton_tolerance = float(self._loop.limits[loop_data.NEWTON])
         if moved:
             end = StepEnd(*(field.copy() for field in given.end))
-            start = old, self._points[0].copy(), self._reactions[0].copy()
+            start = old, self._loop.state.points[0].copy(), self._loop.state.reactions[0].copy()
             h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.HAD].tolist()
             kinetic, elastic, work, loss = energies
             self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
@@ -390,10 +312,10 @@ class ManySteps:
         if self._addresses is None:
             self._addresses = find_addresses(
                 self.integrator,
-                self._model,
-                self._state,
-                self._systems,
-                self._batch.states,
+                self._loop.model,
+                self._loop.state,
+                self._loop.systems,
+                self._loop.batch.states,
                 self._renew.address,
                 self._prepare.address,
             )
@@ -409,26 +331,6 @@ class ManySteps:
     def _call_prepare(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
         self.integrator.prepare_step(float(message[1]), bool(message[2]))
-
-
-def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> loop_data.Backup:
-    """Return what steps go on from, as rows of numbers."""
-    now, last, kept, end = state.now, state.last, state.kept, state.end
-    K, C, mass, adjoint, directions, operators = matrices
-    arrays = (
-        *(clock, now.r, now.q, now.twist, last.r, last.q, last.twist, state.points, state.reactions),
-        *(*kept, *end, state.follows.numbers),
-        *(K, C, mass, adjoint, *directions, *operators),
-    )
-    live = tuple(array.reshape(-1) for array in arrays)
-    size = sum(map(len, live))
-    return loop_data.Backup(live, np.zeros(size), np.zeros(size))
-
-
-def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
-    """Return what a tolerance follows, if it follows anything."""
-    numbers = tolerance.numbers if isinstance(tolerance, PartOfMotion) else np.zeros(amplitude.COUNT)
-    return loop_data.Follows(numbers, np.zeros((nodes, 3)), np.zeros((nodes, 4)))
 
 
 def _serves(tolerance: Tolerance) -> bool:

@@ -39,7 +39,7 @@ from viscorod.solve.problem.problem import ElementSet, Problem, SupportSet
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.transient.integrators.balance_iteration import BalanceIteration
-from viscorod.solve.transient.integrators.generalized_alpha import Coefficients, Relation, Solution
+from viscorod.solve.transient.integrators.momentum_model import Coefficients, Relation, Solution
 from viscorod.solve.transient.integrators.record_kernels import Kept, Reading
 from viscorod.solve.transient.integrators.stage_data import (
     Discretisation,

@@ -4,8 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import dataclass, field
-from functools import cached_property
 from typing import Protocol
 
 import numpy as np
@@ -16,12 +14,15 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Records, Snapshot
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
+from viscorod.solve.transient.corners import corners_of
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
-from viscorod.solve.transient.many_steps import MOST_STEPS, ManySteps
+from viscorod.solve.transient.loop_arrays import LARGEST_STRAIN, MOST_STEPS
+from viscorod.solve.transient.many_steps import ManySteps
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
+from viscorod.solve.transient.transient_result import StepCounts, TransientResult
 
 MOST_NOTES = 20
 
@@ -30,45 +31,6 @@ AT_ONCE = 32
 
 LONG = 300
 """Steps after which a run counts as a long one."""
-
-LARGEST_STRAIN = 100.0
-"""Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
-
-
-@dataclass
-class StepCounts:
-    """Numbers of steps and iterations of a run, and where and why the smallest accepted step was taken."""
-
-    steps: int = 0
-    rejected: int = 0
-    iterations: int = 0
-    evaluations: int = 0
-    factorisations: int = 0
-    jacobians: int = 0
-    smallest_step: float = np.inf
-    smallest_at: float = 0.0
-    smallest_why: str = ""
-
-
-@dataclass
-class TransientResult:
-    """History of a transient run and how it ended.
-
-    Attributes:
-        outcome: COMPLETED or the reason of the last failed step, which happened at ``failed_at`` [s].
-        notes: one line per instant at which a step failed.
-        reason: why an INTERRUPTED run stopped.
-        between_steps: it stopped after a step, from where it can go on bit for bit; others stop within one.
-    """
-
-    history: History = field(default_factory=History)
-    outcome: Outcome = Outcome.COMPLETED
-    failed_at: float = 0.0
-    report: StepReport | None = None
-    effort: StepCounts = field(default_factory=StepCounts)
-    notes: list[str] = field(default_factory=list)
-    reason: str = ""
-    between_steps: bool = False
 
 
 class Notes(Protocol):
@@ -377,30 +339,8 @@ class Transient:
         return limit
 
     def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
-        """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart.
-
-        ``end`` is the last of the former, ``start`` may be one of the latter. Instants that only rounding keeps apart
-        are one, the later, but ``start`` where one is next to it.
-        """
-        near = 1e-12 * end
-        corners = [start]
-        jumps: set[float] = set()
-        known = self.problem.breakpoints if self.integrator.looks_within else self.all_breakpoints
-        for t in [*sorted(t for t in known if start - near < t < end), end]:
-            jumped = t in self.problem.jumps and t < end
-            if t - corners[-1] < near and len(corners) > 1:
-                jumped = jumped or corners[-1] in jumps
-                corners.pop()
-            if t - start >= near:
-                corners.append(t)
-            if jumped:
-                jumps.add(corners[-1])
-        return corners[1:], jumps
-
-    @cached_property
-    def all_breakpoints(self) -> tuple[float, ...]:
-        """Breakpoints with the rows of records [s]."""
-        return tuple(sorted({*self.problem.breakpoints, *self.problem.rows}))
+        """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart."""
+        return corners_of(self.problem, start, end, within=self.integrator.looks_within)
 
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.

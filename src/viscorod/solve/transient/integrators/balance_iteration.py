@@ -69,6 +69,7 @@ class BalanceIteration:
         self._assembly = KnownTypes(assemble)
         self._kernel = KnownTypes(solve_balance)
         self._given: tuple[Any, ...] = ()
+        self._known: tuple[KnownTypes, int, int] | None = None
         self._at: tuple[State, LoadState]
 
     def begin(
@@ -171,24 +172,23 @@ class BalanceIteration:
         if PURE_PYTHON:
             return 0, 0, rest
         system, matrix = self.system, self.system.matrix
-        group = system.groups[0]
-        out = Assembled(now.internal, now.blocks, now.blocks[:0])
-        where = now.r, now.q, now.twist
-        factors = matrix.solver.factors
-        given = factors.values, factors.fronts, factors.integers, factors.groups, factors.rest
-        return (
-            address_of(
-                self._assembly,
-                NOTHING,
-                lambda: (elements, group, points, *where, True, now.maps, True, out),
-            ),
-            address_of(
-                matrix.solver.reduction,
-                NUMBER,
-                lambda: (now.blocks, *matrix.solver.places, *given),
-            ),
-            rest,
-        )
+        reduction = matrix.solver.reduction
+        if self._known is None or self._known[0] is not reduction:
+            group = system.groups[0]
+            out = Assembled(now.internal, now.blocks, now.blocks[:0])
+            where = now.r, now.q, now.twist
+            factors = matrix.solver.factors
+            given = factors.values, factors.fronts, factors.integers, factors.groups, factors.rest
+            self._known = (
+                reduction,
+                address_of(
+                    self._assembly,
+                    NOTHING,
+                    lambda: (elements, group, points, *where, True, now.maps, True, out),
+                ),
+                address_of(reduction, NUMBER, lambda: (now.blocks, *matrix.solver.places, *given)),
+            )
+        return self._known[1], self._known[2], rest
 
     def _do_rest(self, message: Floats) -> None:
         """Add what the elements are not, or change the multipliers."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.callback import call
-from viscorod.mechanics.compilation.compiled import exact_part, loop_part
+from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.solve.transient.amplitude import (
     LENGTH,
     USUAL,
@@ -24,6 +24,7 @@ from viscorod.solve.transient.integrators.kernel_results import (
     TURNED,
 )
 from viscorod.solve.transient.integrators.loop_data import (
+    AGAIN,
     ALLOWED,
     ASK,
     ELASTIC,
@@ -35,7 +36,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     FARTHEST,
     FOLLOWS,
     FRESH,
-    FULL,
+    GOES_ON,
     HAVE,
     KINETIC,
     LAST_STEP,
@@ -45,149 +46,155 @@ from viscorod.solve.transient.integrators.loop_data import (
     POWER,
     RAISED,
     RATE,
-    REACHED,
     SAFETY,
+    STALE,
     STRAIN,
+    TAKEN,
     TOLERANCE,
     TURN,
+    WHOLE,
     WORK,
-    Addresses,
-    LoopModel,
-    LoopState,
-    LoopSystems,
+    StepLoop,
     T,
 )
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.stage_data import IterationLimits
-from viscorod.solve.transient.integrators.tableau import Tableau
-from viscorod.typing import Floats, Integers
+from viscorod.solve.transient.step_choice import CORNER
+from viscorod.typing import Floats
 
-__all__ = ["accept", "attempt", "copy", "follow"]
+__all__ = ["attempt", "copy", "follow", "take_end"]
 
 _do, _factorise, _turn = returning(NOTHING), returning(NUMBER), returning(TURNED)
 _attempt, _end, _extent = returning(ATTEMPTED), returning(ENDED), returning(EXTENT)
 
 
-@loop_part
-def factorise(model: LoopModel, method: Tableau, systems: LoopSystems, calls: Addresses, h: float) -> bool:
+@exact_part
+def factorise(run: StepLoop, h: float) -> bool:
     """Factorise the systems for a step of ``h`` [s]; return whether all went well."""
-    K, C, mass, _, directions, _ = model.parts.matrices
-    factors, supports, pattern = model.parts.factors, model.body.supports, model.body.pattern
-    real, pairs, scales = factors.real, factors.pairs, factors.scales
-    slots, kept, targets = systems.slots, systems.kept, systems.targets
-    matrices = (K, C, mass)
-    with_real = (supports, directions, pattern, scales, factors.real_rows, systems.real)
-    _do(calls.combine_real, (*matrices, method.real / h, *with_real))
+    parts, body, systems, calls, method = run.model.parts, run.model.body, run.systems, run.calls, run.method
+    factors, frozen = parts.factors, parts.matrices
+    real, pairs = factors.real, factors.pairs
+    matrices = (frozen.K, frozen.C, frozen.mass)
+    where = (body.supports, frozen.directions, body.pattern, factors.scales)
+    places = (systems.slots, systems.kept, systems.targets)
+    _do(calls.combine_real, (*matrices, method.real / h, *where, factors.real_rows, systems.real))
     for m in range(method.pairs.shape[0]):
-        with_pair = (supports, directions, pattern, scales, factors.pair_rows[m], systems.pairs[m])
+        with_pair = (*where, factors.pair_rows[m], systems.pairs[m])
         _do(calls.combine_pair, (*matrices, method.pairs[m] / h, *with_pair))
     given = (real.values, real.fronts, real.integers, real.groups, real.rest)
-    if _factorise(calls.reduce_real, (systems.real, slots, kept, targets, *given)) != 0:
+    if _factorise(calls.reduce_real, (systems.real, *places, *given)) != 0:
         return False
     for m in range(method.pairs.shape[0]):
         one = (pairs.values[m], pairs.fronts[m], pairs.integers[m], pairs.groups, pairs.rest[m])
-        if _factorise(calls.reduce_pair, (systems.pairs[m], slots, kept, targets, *one)) != 0:
+        if _factorise(calls.reduce_pair, (systems.pairs[m], *places, *one)) != 0:
             return False
     return True
 
 
-@loop_part
-def extent_of(model: LoopModel, state: LoopState, calls: Addresses) -> tuple[float, float]:
+@exact_part
+def extent_of(run: StepLoop) -> tuple[float, float]:
     """Return how far the last stage is from where the motion began, and how fast it is."""
-    stages, begun = model.parts.stages, state.follows
+    stages, begun = run.model.parts.stages, run.state.follows
     last = stages.X.shape[0] - 1
     where = (stages.r[last], stages.q[last], stages.twist[last])
-    found: tuple[float, float] = _extent(calls.extent, (begun.r, begun.q, *where, begun.numbers[LENGTH]))
+    found: tuple[float, float] = _extent(run.calls.extent, (begun.r, begun.q, *where, begun.numbers[LENGTH]))
     return found
 
 
-@loop_part
-def tolerance_of(model: LoopModel, state: LoopState, calls: Addresses, limits: Floats, end: float) -> float:
+@exact_part
+def tolerance_of(run: StepLoop, end: float) -> float:
     """Return what the step to ``end`` [s] may err by."""
+    limits, numbers = run.limits, run.state.follows.numbers
     if limits[FOLLOWS] == 0.0:
         return float(limits[TOLERANCE])
-    numbers = state.follows.numbers
     if usual_at(numbers, end):
         return float(limits[SAFETY] * USUAL)
-    moved, speed = extent_of(model, state, calls)
+    moved, speed = extent_of(run)
     return float(limits[SAFETY] * tolerance_after(numbers, end, moved, speed))
 
 
-@loop_part
-def follow(model: LoopModel, state: LoopState, calls: Addresses, limits: Floats, t: float) -> None:
+@exact_part
+def follow(run: StepLoop, t: float) -> None:
     """Let the tolerances follow the motion to the time ``t`` [s]."""
+    limits, numbers = run.limits, run.state.follows.numbers
     if limits[FOLLOWS] == 0.0:
         return
-    numbers, moved, speed = state.follows.numbers, 0.0, 0.0
+    moved, speed = 0.0, 0.0
     if grows(numbers):
-        moved, speed = extent_of(model, state, calls)
+        moved, speed = extent_of(run)
     extend(numbers, t, moved, speed)
     change = limits[FACTOR] * tolerance_now(numbers) ** limits[EXPONENT]
     limits[NEWTON] = max(change, limits[FOLLOWS])
 
 
-@loop_part
-def attempt(
-    model: LoopModel,
-    method: Tableau,
-    systems: LoopSystems,
-    state: LoopState,
-    calls: Addresses,
-    clock: Floats,
-    numbers: Integers,
-    limits: Floats,
-    end: float,
-    half: bool,
-) -> tuple[int, int, float, int]:
-    """Try a step to ``end`` [s]; ``half`` of one that is tried again, which counts for nothing.
-
-    Returns:
-        what it came to: :data:`REACHED`, :data:`FULL` if it is to be tried again with another Jacobian, or why the loop
-        ends; iterations; error over the tolerated one, and the unknown where it is largest.
-    """
-    t, stages = clock[T], model.parts.stages
-    h, s, counted = end - t, stages.X.shape[0], 0 if half else 1
+@exact_part
+def provide(run: StepLoop, end: float) -> int:
+    """Provide loads, Jacobian and factors of a step to ``end`` [s]; return why the loop ends, or :data:`GOES_ON`."""
+    clock, numbers, calls = run.clock, run.numbers, run.calls
+    t, message, whole = clock[T], calls.message, numbers[TAKEN] == WHOLE
+    if calls.prepare != 0:
+        message[0], message[1] = t, end
+        message[2] = 1.0 if end == run.control[CORNER] else 0.0
+        call(calls.prepare, message.ctypes, 4)
+        if message[0] != t:
+            return RAISED
     if numbers[HAVE] == 0:
-        calls.message[0], calls.message[3] = t, 1.0 if half else 0.0
-        call(calls.renew, calls.message.ctypes, 4)
-        if calls.message[0] != t:
-            return RAISED, 0, 0.0, 0
+        message[0], message[3] = t, 0.0 if whole else 1.0
+        call(calls.renew, message.ctypes, 4)
+        if message[0] != t:
+            return RAISED
         numbers[HAVE] = numbers[FRESH] = 1
         clock[FACTOR_STEP], numbers[LOST] = 0.0, 0
+    h = end - t
     other = abs(h - clock[FACTOR_STEP]) > 1e-9 * h
     if other or numbers[LOST] != 0:
         numbers[LOST] = 0
         if other:
             clock[FACTOR_STEP] = h
-        if not factorise(model, method, systems, calls, clock[FACTOR_STEP]):
+        if not factorise(run, clock[FACTOR_STEP]):
             clock[FACTOR_STEP] = 0.0
-            return ASK, 0, 0.0, 0
-        if other:
-            numbers[FACTORISED] += counted
-    now, old = state.now, state.last
+            return ASK
+        if other and whole:
+            numbers[FACTORISED] += 1
+    return GOES_ON
+
+
+@exact_part
+def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
+    """Try a step to ``end`` [s]; halves of one that is tried again count for nothing.
+
+    Returns:
+        :data:`GOES_ON` if it is good, :data:`AGAIN` if it is to be tried again with another Jacobian, or why the loop
+        ends; iterations; error over the tolerated one, and the unknown where it is largest.
+    """
+    why = provide(run, end)
+    if why != GOES_ON:
+        return why, 0, 0.0, 0
+    clock, numbers, limits, model, state = run.clock, run.numbers, run.limits, run.model, run.state
+    h, now, old, stages, calls = end - clock[T], state.now, state.last, model.parts.stages, run.calls
     last = LastStep(clock[LAST_STEP], old.r, old.q, old.twist, state.kept.X, state.stress)
     where = (now.r, now.q, model.body.split, model.body.held)
     _do(
         calls.predict,
-        (method, model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
+        (run.method, model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
     )
     allowed = IterationLimits(limits[NEWTON], int(limits[ALLOWED]), clock[RATE])
-    given = (model.body, method, now, h, model.motion, model.loads, model.parts, allowed)
+    given = (model.body, run.method, now, h, model.motion, model.loads, model.parts, allowed)
     code, count, _, rate, _, error, unknown = _attempt(calls.step, (*given, None, None, None, None))
-    if code != CONVERGED:
-        if numbers[FRESH] != 0:
-            return ASK, 0, 0.0, 0
-        numbers[EVALUATED] += counted * count * s
+    good, s, counted = code == CONVERGED, stages.X.shape[0], 1 if numbers[TAKEN] == WHOLE else 0
+    if not good and numbers[FRESH] != 0:
+        return ASK, 0, 0.0, 0
+    numbers[EVALUATED] += counted * (count + 1 if good else count) * s
+    if not good:
         clock[RATE], numbers[HAVE] = 1.0, 0
-        return FULL, count, 0.0, 0
-    numbers[EVALUATED] += counted * (count + 1) * s
+        return AGAIN, count, 0.0, 0
     clock[RATE] = rate
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
-    error /= tolerance_of(model, state, calls, limits, end)
+    error /= tolerance_of(run, end)
     too_far = (clock[TURN] / limits[FARTHEST]) ** limits[POWER]
     if too_far > error:
         error, unknown = too_far, 6 * node + 3
-    return REACHED, count, error, unknown
+    return GOES_ON, count, error, unknown
 
 
 @exact_part
@@ -198,22 +205,20 @@ def copy(a: Floats, b: Floats) -> None:
             b[k, i] = a[k, i]
 
 
-@loop_part
-def accept(
-    model: LoopModel, method: Tableau, state: LoopState, calls: Addresses, clock: Floats, h: float
-) -> None:
-    """Take the attempted step of ``h`` [s]."""
-    parts, now, old, end = model.parts, state.now, state.last, state.end
+@exact_part
+def take_end(run: StepLoop, t: float) -> None:
+    """Take the attempted step to ``t`` [s]."""
+    parts, clock, numbers, state = run.model.parts, run.clock, run.numbers, run.state
+    now, old, end, stages, account = state.now, state.last, state.end, parts.stages, parts.account
+    h, last = t - clock[T], stages.X.shape[0] - 1
     copy(now.r, old.r)
     copy(now.q, old.q)
     copy(now.twist, old.twist)
     for field in range(3):
         copy(state.points[1, field], state.points[0, field])
     copy(state.reactions[1], state.reactions[0])
-    stages, account = parts.stages, parts.account
-    given = (h, method, stages, account, model.motion.target, model.reading, state.kept, end)
-    clock[KINETIC], clock[STRAIN], clock[WORK], clock[LOSS], _ = _end(calls.end, given)
-    last = stages.X.shape[0] - 1
+    given = (h, run.method, stages, account, run.model.motion.target, run.model.reading, state.kept, end)
+    clock[KINETIC], clock[STRAIN], clock[WORK], clock[LOSS], _ = _end(run.calls.end, given)
     clock[ELASTIC] = account.elastic[last]
     copy(end.r, now.r)
     copy(end.q, now.q)
@@ -221,4 +226,7 @@ def accept(
     for field in range(3):
         copy(end.points[field], state.points[1, field])
     copy(end.reactions[last], state.reactions[1])
-    clock[LAST_STEP] = h
+    clock[LAST_STEP], clock[T] = h, t
+    numbers[FRESH] = 0
+    if clock[RATE] > run.limits[STALE]:
+        numbers[HAVE] = 0

@@ -13,6 +13,7 @@ from viscorod.solve.transient.integrators.stage_data import (
     StepStart,
     SupportMotion,
 )
+from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
@@ -21,14 +22,28 @@ HAD, WAS_FRESH, CLOCK = range(10, 13)
 [rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end; ``HAVE`` and ``FRESH`` of a
 state that is put back."""
 
-HAVE, FRESH, LOST, MOST, STEPS, ROWS, REJECTED, ITERATED, TRYING, TRIED, EVALUATED, FACTORISED, NUMBERS = (
-    range(13)
-)
+(
+    HAVE,
+    FRESH,
+    LOST,
+    MOST,
+    STEPS,
+    ROWS,
+    REJECTED,
+    ITERATED,
+    TRYING,
+    TAKEN,
+    TRIED,
+    EVALUATED,
+    FACTORISED,
+    NUMBERS,
+) = range(14)
 """Places among the numbers: whether there is a Jacobian, and one of the present step, and whether its factors are lost;
-most steps; then counts, among them the steps that are tried again, beside whether the present one is."""
+most steps; then counts, among them the steps that are tried again, beside whether the present one is, and what of it is
+taken."""
 
 TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
-STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, HALF, LIMITS = range(6, 17)
+STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, HALF, WAS, LIMITS = range(6, 18)
 """Places among the limits: of the error and of Newton's method; the least of the latter if they follow the motion, else
 0, and the factors and the power with which they do; convergence rate from which on a Jacobian is stale, iterations,
 rotation [rad], power of the step in the error; time between records (0: within every step), duration and smallest step
@@ -38,15 +53,15 @@ NEXT, SETTLED, LONGER, FIRST, TRIALS = range(5)
 """Places among the trials: number of the next step that is tried again; from which number on one that is longer than
 what follows is; number of the first step."""
 
-FIRST_HALF, SECOND_HALF, WHOLE = range(3)
-"""What is taken: halves of a step that is tried again, or a step of the motion."""
+WHOLE, FIRST_HALF, SECOND_HALF = range(3)
+"""What is taken: a step of the motion, or halves of one that is tried again."""
 
 START, MIDDLE, END, BETTER_MIDDLE, BETTER_END, TRIAL_ROWS = range(6)
 """States that are kept of a step that is tried again: its own, then those of its halves."""
 
-REACHED, FULL, ASK, BROKEN, RAISED = range(5)
+REACHED, FULL, ASK, BROKEN, RAISED, GOES_ON, AGAIN = range(7)
 """Why a loop ends: at the corner; enough steps, or arrays are full; the next attempt is Python's; strains are out of
-bounds; an exception in Python."""
+bounds; an exception in Python. Or it goes on, or an attempt is to be made again with another Jacobian."""
 
 
 class LoopModel(NamedTuple):
@@ -160,3 +175,26 @@ class Addresses(NamedTuple):
     renew: int
     prepare: int
     message: Floats
+
+
+class StepLoop(NamedTuple):
+    """All that the loop works on.
+
+    Attributes:
+        model, method, systems, state, calls: what steps are made of.
+        clock, numbers, limits: see above; control: those of ``step_choice``; trials: steps that are tried again.
+        batch: outputs; backup: of what steps go on from.
+    """
+
+    model: LoopModel
+    method: Tableau
+    systems: LoopSystems
+    state: LoopState
+    calls: Addresses
+    clock: Floats
+    numbers: Integers
+    limits: Floats
+    control: Floats
+    trials: Floats
+    batch: Batch
+    backup: Backup

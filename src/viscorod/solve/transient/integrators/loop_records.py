@@ -5,15 +5,12 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compilation.by_address import returning
-from viscorod.mechanics.compilation.compiled import exact_part, loop_part
+from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.kernel_results import NOTHING
-from viscorod.solve.transient.integrators.loop_attempts import copy
 from viscorod.solve.transient.integrators.loop_data import (
     DURATION,
-    ELASTIC,
     EXTRA_ROWS,
-    KINETIC,
     LEAST,
     LOSS,
     MARKS,
@@ -23,18 +20,14 @@ from viscorod.solve.transient.integrators.loop_data import (
     STEPS,
     TRYING,
     TURN,
-    Addresses,
-    Batch,
-    LoopModel,
-    LoopState,
+    StepLoop,
     T,
 )
-from viscorod.solve.transient.integrators.loop_trials import row_of_trial
+from viscorod.solve.transient.integrators.loop_trials import keep, row_of_trial
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
-from viscorod.solve.transient.integrators.tableau import Tableau
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
-__all__ = ["keep", "record", "room_for"]
+__all__ = ["record", "room_for"]
 
 TURN_OF_RECORD = 0.25
 """Rotation [rad] from record to record, if that takes more states than one above the stages."""
@@ -74,70 +67,48 @@ def room_for(limits: Floats, t: float, end: float) -> int:
     return int((end - t) / limits[OUTPUT]) + 3
 
 
-@loop_part
-def keep(state: LoopState, clock: Floats, found: Between, at: int) -> None:
-    """Keep the present state in the row ``at``."""
-    now, fields = state.now, found.fields
-    copy(now.r, found.r[at])
-    copy(now.q, found.q[at])
-    copy(now.twist, found.twist[at])
-    for field in range(3):
-        copy(state.points[1, field], fields.points[field, at])
-    copy(state.reactions[1], fields.reactions[at])
-    found.energies[0, at], found.energies[3, at] = clock[KINETIC], clock[ELASTIC]
-
-
-@loop_part
-def record(
-    model: LoopModel,
-    method: Tableau,
-    state: LoopState,
-    calls: Addresses,
-    clock: Floats,
-    numbers: Integers,
-    limits: Floats,
-    t: float,
-    batch: Batch,
-) -> None:
+@exact_part
+def record(run: StepLoop, t: float) -> None:
     """Record what is due of the step that began at ``t`` [s] and has been accepted."""
-    end, row, found = clock[T], numbers[ROWS], batch.states
-    h = end - t
-    count = instants_of(limits, t, end, clock[TURN], batch.instants[row:])
-    within = 0
+    clock, numbers, batch, found = run.clock, run.numbers, run.batch, run.batch.states
+    end, row, rows, marks = clock[T], numbers[ROWS], found.r.shape[0], batch.marks
+    count = instants_of(run.limits, t, end, clock[TURN], batch.instants[row:])
+    places, of_step, within = batch.places, batch.of_step, 0
     for k in range(count):
-        place = (batch.instants[row + k] - t) / h
-        batch.places[row + k] = place
-        batch.of_step[row + k] = numbers[STEPS]
+        place = (batch.instants[row + k] - t) / (end - t)
+        places[row + k] = place
+        of_step[row + k] = numbers[STEPS]
         if place <= 1.0 - 1e-9:
             within += 1
-    stages, now, fields = model.parts.stages, state.now, found.fields
+    if numbers[TRYING] != 0:  # the middle, where ``places`` end with one half
+        read(run, end - t, places.shape[0] - 1, 1, row_of_trial(numbers, found) + MIDDLE)
+    if within > 0:
+        read(run, end - t, row, within, row)
+    if count > within:
+        at = row + count - 1
+        keep(run, at)
+        places[at] = 1.0
+    numbers[ROWS] = row + count
+    for m in range(MARKS):
+        if marks[m] == numbers[STEPS] + 1:
+            keep(run, rows - EXTRA_ROWS + m)
+
+
+@exact_part
+def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
+    """Read states within the step of ``h`` [s], at ``size`` places from the ``first`` on, into rows from ``to`` on."""
+    stages, state, found = run.model.parts.stages, run.state, run.batch.states
+    now, reading = state.now, run.model.reading
     begin = ResultFields(state.points[0], state.reactions[0])
-    of_stages = StageFields(
+    at_stages = StageFields(
         stages.twist,
         stages.strain,
         stages.strain_rate,
         stages.stress,
         state.end.reactions,
-        model.parts.account.powers,
+        run.model.parts.account.powers,
     )
     reached = MovingPoses(now.r, now.q, now.twist, state.end.rate)
-    step = (h, method, state.last, reached, begin, of_stages, clock[LOSS], model.reading)
-    for records in range(2):
-        to, first, size = row, row, within
-        if records == 0:  # the middle of a step that is tried again
-            to, first, size = (
-                row_of_trial(numbers, found) + MIDDLE,
-                batch.places.shape[0] - 1,
-                numbers[TRYING],
-            )
-        if size > 0:
-            into = Between(to, found.r, found.q, found.twist, fields, found.energies)
-            _do(calls.between, (batch.places[first : first + size], *step, True, True, into))
-    if count > within:
-        at = row + count - 1
-        keep(state, clock, found, at)
-        batch.places[at] = 1.0
-    numbers[ROWS] = row + count
-    for m in range(MARKS):
-        if batch.marks[m] == numbers[STEPS] + 1:
-            keep(state, clock, found, found.r.shape[0] - EXTRA_ROWS + m)
+    step = (h, run.method, state.last, reached, begin, at_stages, run.clock[LOSS], reading)
+    into = Between(to, found.r, found.q, found.twist, found.fields, found.energies)
+    _do(run.calls.between, (run.batch.places[first : first + size], *step, True, True, into))

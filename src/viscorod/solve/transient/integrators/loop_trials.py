@@ -2,62 +2,88 @@
 
 from __future__ import annotations
 
-from viscorod.mechanics.compilation.compiled import exact_part, loop_part
-from viscorod.solve.transient import trial_choice
+import math
+
+from viscorod.mechanics.compilation.compiled import exact_part
+from viscorod.mechanics.compilation.references import row_of
+from viscorod.solve.transient.integrators.loop_attempts import attempt, copy, take_end
 from viscorod.solve.transient.integrators.loop_data import (
+    AGAIN,
+    BETTER_END,
+    BETTER_MIDDLE,
+    ELASTIC,
+    END,
     EXTRA_ROWS,
+    FIRST_HALF,
     FRESH,
+    GOES_ON,
     HAD,
+    HALF,
     HAVE,
+    KINETIC,
     LONGER,
     LOST,
     MARKS,
+    NEWTON,
     NEXT,
+    RAISED,
+    SECOND_HALF,
     SETTLED,
+    START,
+    STEPS,
+    TAKEN,
     TRIAL_ROWS,
     TRIED,
+    TRYING,
+    WAS,
     WAS_FRESH,
+    WHOLE,
     Backup,
+    StepLoop,
 )
 from viscorod.solve.transient.integrators.record_kernels import Between
+from viscorod.solve.transient.trial_choice import FARTHEST, PART
+from viscorod.solve.transient.trial_choice import LONGER as BY
 from viscorod.typing import Floats, Integers
 
-__all__ = ["come_back", "is_tried", "leave", "next_trial", "row_of_trial"]
+__all__ = ["begin_halves", "begin_trial", "is_tried", "keep", "next_trial", "row_of_trial", "take_half"]
 
 
 @exact_part
-def save(live: tuple[Floats, ...], kept: Floats) -> None:
+def save(backup: Backup, kept: Floats) -> None:
     """Keep what steps go on from."""
-    at = 0
-    for k in range(len(live)):
-        row = live[k]
+    at = k = 0
+    while at < kept.shape[0]:
+        row = row_of(backup.live, k)
         for i in range(row.shape[0]):
             kept[at + i] = row[i]
-        at += row.shape[0]
+        at, k = at + row.shape[0], k + 1
 
 
 @exact_part
-def put_back(kept: Floats, live: tuple[Floats, ...]) -> None:
+def put_back(backup: Backup, kept: Floats) -> None:
     """Undo what happened since :func:`save`."""
-    at = 0
-    for k in range(len(live)):
-        row = live[k]
+    at = k = 0
+    while at < kept.shape[0]:
+        row = row_of(backup.live, k)
         for i in range(row.shape[0]):
             row[i] = kept[at + i]
-        at += row.shape[0]
+        at, k = at + row.shape[0], k + 1
 
 
-@loop_part
-def leave(backup: Backup, kept: Floats, clock: Floats, numbers: Integers) -> None:
+@exact_part
+def leave(run: StepLoop, kept: Floats) -> None:
     """Keep what steps go on from, with what is known of the Jacobian."""
+    clock, numbers = run.clock, run.numbers
     clock[HAD], clock[WAS_FRESH] = numbers[HAVE], numbers[FRESH]
-    save(backup.live, kept)
+    save(run.backup, kept)
 
 
-@loop_part
-def come_back(backup: Backup, kept: Floats, clock: Floats, numbers: Integers) -> None:
+@exact_part
+def come_back(run: StepLoop, kept: Floats) -> None:
     """Undo what happened since :func:`leave`; factors are lost."""
-    put_back(kept, backup.live)
+    clock, numbers = run.clock, run.numbers
+    put_back(run.backup, kept)
     numbers[HAVE], numbers[FRESH], numbers[LOST] = int(clock[HAD]), int(clock[WAS_FRESH]), 1
 
 
@@ -71,12 +97,81 @@ def is_tried(trials: Floats, number: float, h: float) -> bool:
 def next_trial(trials: Floats, number: float) -> None:
     """Set the number of the next step that is tried again, after one."""
     if number == trials[NEXT]:
-        trials[NEXT] += min(
-            2.0 * number + 1.0, max(float(trial_choice.FARTHEST), number // trial_choice.PART)
-        )
+        trials[NEXT] += min(2.0 * number + 1.0, max(float(FARTHEST), number // PART))
 
 
-@loop_part
+@exact_part
 def row_of_trial(numbers: Integers, found: Between) -> int:
     """Return the first row of the step that is tried again."""
     return int(found.r.shape[0] - EXTRA_ROWS + MARKS + TRIAL_ROWS * numbers[TRIED])
+
+
+@exact_part
+def keep(run: StepLoop, at: int) -> None:
+    """Keep the present state in the row ``at``."""
+    state, clock, found = run.state, run.clock, run.batch.states
+    now, fields, energies = state.now, found.fields, found.energies
+    copy(now.r, found.r[at])
+    copy(now.q, found.q[at])
+    copy(now.twist, found.twist[at])
+    for field in range(3):
+        copy(state.points[1, field], fields.points[field, at])
+    copy(state.reactions[1], fields.reactions[at])
+    energies[0, at], energies[3, at] = clock[KINETIC], clock[ELASTIC]
+
+
+@exact_part
+def begin_trial(run: StepLoop) -> None:
+    """Keep the state before a step that will be tried again."""
+    run.numbers[TRYING] = 1
+    keep(run, row_of_trial(run.numbers, run.batch.states) + START)
+    leave(run, run.backup.before)
+
+
+@exact_part
+def begin_halves(run: StepLoop, end: float, h: float) -> None:
+    """Keep where a step of ``h`` [s] came to at ``end`` [s], and go back to its start."""
+    numbers, limits, batch = run.numbers, run.limits, run.batch
+    keep(run, row_of_trial(numbers, batch.states) + END)
+    trial = batch.trials[numbers[TRIED]]
+    trial[0], trial[1], trial[2], trial[3] = numbers[STEPS] - 1, end, h, 1.0
+    leave(run, run.backup.after)
+    come_back(run, run.backup.before)
+    numbers[TAKEN], limits[WAS], limits[NEWTON] = FIRST_HALF, limits[NEWTON], limits[HALF]
+
+
+@exact_part
+def end_trial(run: StepLoop) -> None:
+    """Go on from the end of the step that has been tried again."""
+    numbers = run.numbers
+    numbers[TAKEN], run.limits[NEWTON] = WHOLE, run.limits[WAS]
+    come_back(run, run.backup.after)
+    numbers[TRYING], numbers[TRIED] = 0, numbers[TRIED] + 1
+
+
+@exact_part
+def take_half(run: StepLoop) -> int:
+    """Take a half of the step that is tried again; return why the loop ends, or :data:`GOES_ON`."""
+    numbers, trials = run.numbers, run.trials
+    trial, second = run.batch.trials[numbers[TRIED]], numbers[TAKEN] == SECOND_HALF
+    whole_end, whole = trial[1], trial[2]
+    end = whole_end if second else whole_end - 0.5 * whole
+    came, _, _, _ = attempt(run, end)
+    if came == AGAIN:
+        return GOES_ON
+    if came != GOES_ON:
+        trial[3] = 0.0
+        end_trial(run)
+        return RAISED if came == RAISED else GOES_ON
+    take_end(run, end)
+    row = row_of_trial(numbers, run.batch.states)
+    if not second:
+        keep(run, row + BETTER_MIDDLE)
+        numbers[TAKEN] = SECOND_HALF
+        return GOES_ON
+    keep(run, row + BETTER_END)
+    longer = BY * whole
+    if not trials[LONGER] < math.inf or longer > trials[LONGER]:
+        trials[LONGER] = longer
+    end_trial(run)
+    return GOES_ON

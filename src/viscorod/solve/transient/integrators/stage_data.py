@@ -9,7 +9,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Elements, ElementWork
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.applied_loads import StationWork
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
@@ -18,6 +18,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.linear.factors import Factors as MatrixFactors
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
 
@@ -364,5 +365,22 @@ class StepParts(NamedTuple):
     factors: StageFactors
     matrices: Matrices
     stages: Stages
+    account: StepAccount
+    work: Work
+
+
+class StepTask(NamedTuple):
+    """A step as its parts see it: see ``try_step``; ``points`` are the Gauss points of the stages."""
+
+    body: Discretisation
+    method: Tableau
+    start: StepStart
+    h: float
+    motion: SupportMotion
+    loads: StageLoads
+    factors: StageFactors
+    matrices: Matrices
+    stages: Stages
+    points: GaussStates
     account: StepAccount
     work: Work

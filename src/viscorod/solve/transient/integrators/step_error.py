@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 from viscorod.mechanics.compilation.compiled import lane_kernel, part
+from viscorod.mechanics.compilation.references import whole_of
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
-from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, Stages, StepStart, Work
-from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.integrators.stage_data import StepTask
 from viscorod.typing import Floats, Integers
 
 
@@ -25,31 +25,36 @@ def project_free(supports: SupportedNodes, Z: Floats, free: Floats, out: Floats)
 
 
 @lane_kernel
-def error_sides(
-    body: Discretisation,
-    start: StepStart,
-    h: float,
-    method: Tableau,
-    stages: Stages,
-    adjoint: Floats,
-    work: Work,
-    out: Floats,
-) -> None:
+def error_sides(step: StepTask, out: Floats) -> None:
     """Write both right sides of :func:`estimate_error` before the damping matrix joins them ``(n, 6)``.
 
     ``p = sum e_i X_i/h`` into ``work.rate`` and ``F + M (sum e_i (x_i - x_0)/h + mu p) - M ad(x) p`` into ``out``.
     """
-    X, twist, mass, weights, rate, v = stages.X, stages.twist, body.mass, method.error, work.rate, work.vector
+    X, twist, mass, held, weights = (
+        step.stages.X,
+        step.stages.twist,
+        step.body.mass,
+        step.body.held,
+        step.method.error,
+    )
+    rate, v, adjoint, h, mu = (
+        step.work.rate,
+        step.work.vector,
+        step.matrices.adjoint,
+        step.h,
+        step.method.real,
+    )
+    begun, force = step.start.twist, step.start.force
     for k in range(X.shape[1]):
         for a in range(6):
-            p, d = start.twist[k, a], 0.0
+            p, d = begun[k, a], 0.0
             for i in range(X.shape[0]):
                 p += weights[i] * X[i, k, a] / h
-                d += weights[i] * (twist[i, k, a] - start.twist[k, a]) / h
-            rate[k, a] = 0.0 if body.held[k] != 0.0 else p
-            v[k, a] = d + method.real / h * p
+                d += weights[i] * (twist[i, k, a] - begun[k, a]) / h
+            rate[k, a] = 0.0 if held[k] != 0.0 else p
+            v[k, a] = d + mu / h * p
         for a in range(6):
-            total = start.force[k, a]
+            total = force[k, a]
             for b in range(6):
                 total += mass[k, a, b] * v[k, b] - adjoint[k, a, b] * rate[k, b]
             out[k, a] = total
@@ -97,21 +102,13 @@ def largest_error(scales: Floats, solution: Floats, length: float, out: Floats) 
 
 
 @lane_kernel
-def estimate_error(
-    body: Discretisation,
-    start: StepStart,
-    h: float,
-    method: Tableau,
-    matrices: Matrices,
-    stages: Stages,
-    work: Work,
-    out: Floats,
-) -> None:
+def estimate_error(step: StepTask, out: Floats) -> None:
     """Write the right side of the equation of the estimated error of the poses ``(n, 6)`` (body components).
 
     ``(mu M ex + C0 ex + K0 eX, mu eX - ex) = (F + M sum e_i (x_i - x_0)/h, x_0 + sum e_i X_i/h)`` with ``mu = real/h``,
     reduced to the poses, where the real matrix is factorised already (Hairer and Wanner 1996, IV.8.17 to 8.20).
     """
-    error_sides(body, start, h, method, stages, matrices.adjoint, work, out)
-    project_free(body.supports, matrices.directions.Z, work.change, out)
+    body, matrices, work = step.body, step.matrices, step.work
+    error_sides(step, out)
+    project_free(whole_of(body.supports), matrices.directions.Z, work.change, out)
     add_damping(body.pattern.rows, body.pattern.columns, matrices.C, work.rate, out)

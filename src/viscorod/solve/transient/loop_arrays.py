@@ -1,0 +1,138 @@
+"""The arrays of the compiled loop of steps, made once for a motion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.transient import amplitude
+from viscorod.solve.transient.integrators import loop_data
+from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
+from viscorod.solve.transient.integrators.record_kernels import Between, StepEnd
+from viscorod.solve.transient.integrators.stage_data import Matrices, StepStart
+from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
+from viscorod.solve.transient.step_control import ErrorControl
+from viscorod.typing import Floats
+
+__all__ = ["MOST_STEPS", "NOWHERE", "loop_arrays"]
+
+MOST_STEPS = 64
+"""Steps at once: an interrupt waits for them."""
+MOST_ROWS = 256
+"""States at once."""
+LEAST_STEP = 1e-6
+"""Shortest step over the duration: one by one, steps are watched more closely."""
+LARGEST_STRAIN = 100.0
+"""Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
+
+NOWHERE = loop_data.Addresses._make([*[0] * 12, np.zeros(4)])
+"""Addresses of kernels that are not known yet."""
+
+
+def loop_arrays(
+    integrator: Radau, control: ErrorControl, duration: float, output_interval: float | None
+) -> loop_data.StepLoop:
+    """Make all that a loop works on, but the addresses of the kernels; arguments as of ``ManySteps``."""
+    lent, body = integrator.lent, integrator.body
+    fields, reaction = integrator.recorder.present
+    state = _state(integrator, fields.shape[1], len(reaction))
+    clock = np.zeros(loop_data.CLOCK)
+    return loop_data.StepLoop(
+        model=loop_data.LoopModel(
+            body,
+            integrator.actions.motion,
+            integrator.actions.stage_loads,
+            lent.parts,
+            lent.reading,
+            integrator.predictor.gap,
+        ),
+        method=integrator.tableau,
+        systems=loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places),
+        state=state,
+        calls=NOWHERE,
+        clock=clock,
+        numbers=np.zeros(loop_data.NUMBERS, dtype=np.int64),
+        limits=_limits(integrator, duration, output_interval),
+        control=control.numbers,
+        trials=np.zeros(loop_data.TRIALS),
+        batch=_batch(len(body.mass), fields.shape[1], len(reaction)),
+        backup=_backup(state, lent.parts.matrices, clock),
+    )
+
+
+def _state(integrator: Radau, points: int, supports: int) -> loop_data.LoopState:
+    stages, lent, n, s = (
+        integrator.stages,
+        integrator.lent,
+        len(integrator.body.mass),
+        len(integrator.tableau.nodes),
+    )
+    return loop_data.LoopState(
+        StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
+        MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
+        lent.kept,
+        integrator.predictor.stresses.reshape(s + 1, -1),
+        stages.stress.reshape(s, -1),
+        StepEnd.of(stages, lent.reading),
+        np.empty((2, 3, points, 6)),
+        np.empty((2, supports, 6)),
+        np.empty((s, s + 1)),
+        _followed(integrator.tolerance, n),
+    )
+
+
+def _batch(nodes: int, points: int, supports: int) -> loop_data.Batch:
+    rows = MOST_ROWS
+    return loop_data.Batch(
+        np.zeros(MOST_STEPS),
+        np.zeros(MOST_STEPS),
+        np.zeros((3, MOST_STEPS), dtype=np.int64),
+        np.zeros((MOST_STEPS + 1, 4)),
+        np.zeros(rows),
+        np.full(rows + 1, 0.5),
+        np.zeros(rows, dtype=np.int64),
+        Between.of(rows + loop_data.EXTRA_ROWS, nodes, points, supports),
+        np.zeros(loop_data.MARKS, dtype=np.int64),
+        np.zeros((loop_data.MOST_TRIALS, 4)),
+    )
+
+
+def _limits(integrator: Radau, duration: float, output_interval: float | None) -> Floats:
+    limits = np.zeros(loop_data.LIMITS)
+    follows = type(integrator.tolerance) is PartOfMotion
+    limits[loop_data.FOLLOWS : loop_data.HALF] = (
+        LEAST_CHANGE if follows else 0.0,
+        integrator.step_factor,
+        integrator.newton_factor,
+        integrator.newton_power,
+        integrator.stale,
+        integrator.iterations,
+        integrator.largest_turn,
+        float(integrator.estimate_order + 1),
+        0.0 if output_interval is None else output_interval,
+        duration,
+        LEAST_STEP * duration,
+        len(integrator.tableau.nodes) + 1,
+        LARGEST_STRAIN,
+    )
+    return limits
+
+
+def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> loop_data.Backup:
+    """Return what steps go on from, as rows of numbers."""
+    now, last, kept, end = state.now, state.last, state.kept, state.end
+    K, C, mass, adjoint, directions, operators = matrices
+    arrays = (
+        *(clock, now.r, now.q, now.twist, last.r, last.q, last.twist, state.points, state.reactions),
+        *(*kept, *end, state.follows.numbers),
+        *(K, C, mass, adjoint, *directions, *operators),
+    )
+    live = tuple(array.reshape(-1) for array in arrays)
+    size = sum(map(len, live))
+    return loop_data.Backup(live, np.zeros(size), np.zeros(size))
+
+
+def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
+    """Return what a tolerance follows, if it follows anything."""
+    numbers = tolerance.numbers if isinstance(tolerance, PartOfMotion) else np.zeros(amplitude.COUNT)
+    return loop_data.Follows(numbers, np.zeros((nodes, 3)), np.zeros((nodes, 4)))
