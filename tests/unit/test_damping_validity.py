@@ -6,13 +6,11 @@ import math
 import numpy as np
 import pytest
 from scipy.integrate import quad
-from scipy.interpolate import CubicSpline
 
 import viscorod as vr
 from helpers.plain_text import flat
 from helpers.synthetic_results import swing
 from viscorod.errors import InputError
-from viscorod.results.smooth_curve import slopes_between, spline_slopes
 
 WIDTH = 0.05
 """Standard deviation of the strain pulse in time, s."""
@@ -179,12 +177,3 @@ def test_refused():
     short.data = short.data.isel(time=slice(0, 5))
     with pytest.raises(InputError, match="8 states at least, and this run holds 5"):
         vr.Run(short.data).damping_validity()
-
-
-@pytest.mark.parametrize("points", [2, 3, 4, 5, 50])
-def test_slopes_are_those_of_scipys_spline(points):
-    rng = np.random.default_rng(points)
-    x, y = np.cumsum(rng.uniform(0.1, 1.0, points)), rng.normal(size=points)
-    between = np.linspace(x[0], x[-1], 100)
-    found = slopes_between(x, y, spline_slopes(x, y), between)
-    np.testing.assert_allclose(found, CubicSpline(x, y)(between, 1), rtol=0.0, atol=1e-12)

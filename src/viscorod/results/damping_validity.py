@@ -25,7 +25,6 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import blocks
-from viscorod.results.smooth_curve import slopes_between, spline_slopes
 from viscorod.results.text_numbers import quantity
 from viscorod.results.text_table import page
 from viscorod.typing import Floats
@@ -220,13 +219,13 @@ def _loss_note(run: Run, rod: str, law: dict[str, Any], largest: Floats, work: F
 
 def _spectrum(time: Floats, strain: Floats) -> tuple[Floats, Floats]:
     """Return angular frequencies (n,) and the size of the transform of the rate of a strain, (n,)."""
+    from scipy.interpolate import CubicSpline
+
     known, first = np.unique(time, return_index=True)
     duration = float(known[-1] - known[0])
     wanted = min(duration / float(np.min(np.diff(known))), float(MOST_SAMPLES))
     count = min(MOST_SAMPLES, 2 ** max(6, math.ceil(math.log2(wanted)) + 1))
-    values = strain[first]
-    even = np.linspace(known[0], known[-1], count)
-    rate = slopes_between(known, values, spline_slopes(known, values), even)
+    rate = CubicSpline(known, strain[first])(np.linspace(known[0], known[-1], count), 1)
     last = max(2, round(FADE * count))
     rate[-last:] *= 0.5 + 0.5 * np.cos(np.pi * np.arange(1, last + 1) / last)
     step = duration / (count - 1)
