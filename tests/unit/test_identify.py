@@ -14,12 +14,15 @@ from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
+from viscorod.analyses.identification.laws import moved_numbers
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
 from viscorod.results.identification import Number
 from viscorod.results.identification_report import with_prefix
+from viscorod.solve.estimation.intervals import Covariance
+from viscorod.solve.estimation.unknowns import Unknown, Unknowns
 
 YOUNG, SHEAR, BULK = (
     "materials.rubber.youngs_modulus",
@@ -445,6 +448,29 @@ def test_what_is_not_the_materials_is_said():
     told = " ".join(law_sentences(names, np.array([0.0, 3.0, 90.0]), np.zeros(3), 80.0, {}))
     assert "do not tell whether the air takes part" in told
     assert "not the material's" not in told
+
+
+def test_numbers_of_the_best_law_are_those_of_the_fit_and_narrow_ones_are_marked():
+    """The swing with a smaller one of another frequency added, as if noise had no colour and with it."""
+    right = history(swing())
+    more = 0.2 * np.interp(1.3 * right.times, right.times, right.values)
+    wrong = vr.Record(
+        right.times, right.values + more, place="beam.end", quantity="displacement", direction="y", name="tip"
+    )
+    fit = vr.identify(swing(), wrong, {YOUNG: None}, laws=["kelvin_voigt"], profile=False)
+    (law,) = fit.laws
+    modulus = float(re.search(r"youngs_modulus (\S+) \+-", law.values)[1])
+    assert modulus == pytest.approx(fit[YOUNG].value, rel=1e-3)
+    assert law.values.endswith("(too narrow, it misses part of the motion)")
+
+
+def test_numbers_that_the_colour_of_the_noise_moves_are_named():
+    """Standard errors of 3e-3 and 4e-3 are 5e-3 of a difference: 2e-2 is four of them, and 1e-2 two."""
+    unknowns = Unknowns([Unknown("modulus", 1.0, logarithmic=True), Unknown("time", 1.0, logarithmic=True)])
+    none = np.zeros((0, 2))
+    last, before = (Covariance(size**2 * np.eye(2), none, np.full(2, 50.0), ()) for size in (3e-3, 4e-3))
+    found = moved_numbers(unknowns, (np.array([2e-2, 1e-2]), last), (np.zeros(2), before))
+    assert found == ["modulus (1.0202 and 1)"]
 
 
 def test_laws_that_there_are_not_are_refused():
