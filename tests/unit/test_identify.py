@@ -2,6 +2,8 @@
 
 import re
 import tomllib
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -22,6 +24,7 @@ from viscorod.errors import InputError
 from viscorod.results.identification import Number
 from viscorod.results.identification_report import with_prefix
 from viscorod.solve.estimation.intervals import Covariance
+from viscorod.solve.estimation.least_squares import no_worse
 from viscorod.solve.estimation.unknowns import Unknown, Unknowns
 
 YOUNG, SHEAR, BULK = (
@@ -473,6 +476,16 @@ def test_numbers_that_the_colour_of_the_noise_moves_are_named():
     assert found == ["modulus (1.0202 and 1)"]
 
 
+@pytest.mark.parametrize(("start", "nearer"), [(1.3917, True), (1.3918, False)])
+def test_a_search_does_not_begin_where_a_step_has_gone_too_far(start, nearer):
+    """Newton's steps for the root of arctan diverge from 1.39175 on, where 2 z = (1 + z^2) arctan z."""
+    scaled = SimpleNamespace(values=np.arctan)
+    noise = SimpleNamespace(whitened=lambda values: values)
+    step = -np.arctan(start) * (1.0 + start**2)
+    there = np.array([start + step])
+    assert no_worse(scaled, noise, np.zeros(1), np.arctan([start]), there) is nearer
+
+
 def test_laws_that_there_are_not_are_refused():
     for laws, words in (
         (["honey"], "no such law"),
@@ -539,6 +552,19 @@ def test_what_is_wrong_in_a_file_is_told(fit_folder, old, new, words):
     done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml")])
     assert done.exit_code != 0
     assert words in done.output
+
+
+def test_the_file_of_the_howto_fits_its_case(tmp_path):
+    """A reader who copies both has cases and records without a change; the second record has a pull of its own."""
+    page = (Path(__file__).parents[2] / "docs/howto/identify.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r"```none\n# (\w+\.toml)\n(.*?)```", page, re.DOTALL))
+    for name in ("bar.toml", "fit.toml"):
+        (tmp_path / name).write_text(blocks[name], encoding="utf-8")
+    for name in ("trial_1.csv", "trial_2.csv"):
+        (tmp_path / name).write_text("t [s],tip_y [mm]\n0,1\n0.1,2\n0.2,1\n", encoding="utf-8")
+    found = load_fit(tmp_path / "fit.toml")
+    pulls = [number_at(case, "loads[0].value[1]") for case, _ in [*found.pairs, *found.left_out]]
+    assert pulls == [0.02, 0.015]
 
 
 def test_content_as_toml_reads_back_as_it_was():

@@ -155,9 +155,10 @@ def compared_laws(
     damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
     own = any(key.startswith(damping) for key in parameters)
     swings = swings_of(left_out)
-    done = []
-    for name in [*laws, *([OWN] if own else [])]:
-        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz)
+    done: list[_One] = []
+    for name in sorted([*laws, *([OWN] if own else [])], key=lambda name: name.count("+")):
+        begin = _within(name, done)
+        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz, begin)
         if isinstance(one, str):
             if report is not None:
                 report(f"law {name}: {one}")
@@ -221,6 +222,13 @@ def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
         _variants(pairs, name, hertz)
 
 
+def _within(name: str, done: Sequence[_One]) -> Mapping[str, float]:
+    """Return the numbers of the fitted law that has the most parts of another one, which is no worse than it."""
+    parts = {part.strip() for part in name.split("+")}
+    inner = [one for one in done if {part.strip() for part in one.name.split("+")} < parts]
+    return max(inner, key=lambda one: one.name.count("+")).found.named if inner else {}
+
+
 def _fitted(
     fit: Fit,
     pairs: Pairs,
@@ -229,6 +237,7 @@ def _fitted(
     name: str,
     left_out: Pairs,
     hertz: float,
+    begin: Mapping[str, float],
 ) -> _One | str:
     changed, own = _variants(pairs, name, hertz)
     damping = tuple(f"materials.{material}.damping" for material in changed[0][0].content["materials"])
@@ -239,7 +248,7 @@ def _fitted(
         and any(number_at(case, key) is not None for case, _ in changed)
     }
     try:
-        found = fit(changed, {**kept, **own}, nuisances, coloured=False)
+        found = fit(changed, {**kept, **own}, nuisances, coloured=False, begin=begin)
         prediction = None
         if left_out:
             others, _ = _variants(left_out, name, hertz)
