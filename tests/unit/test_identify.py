@@ -2,6 +2,8 @@
 
 import re
 import tomllib
+from pathlib import Path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -14,12 +16,16 @@ from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
+from viscorod.analyses.identification.laws import moved_numbers
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
 from viscorod.results.identification import Number
 from viscorod.results.identification_report import with_prefix
+from viscorod.solve.estimation.intervals import Covariance
+from viscorod.solve.estimation.least_squares import no_worse
+from viscorod.solve.estimation.unknowns import Unknown, Unknowns
 
 YOUNG, SHEAR, BULK = (
     "materials.rubber.youngs_modulus",
@@ -447,6 +453,39 @@ def test_what_is_not_the_materials_is_said():
     assert "not the material's" not in told
 
 
+def test_numbers_of_the_best_law_are_those_of_the_fit_and_narrow_ones_are_marked():
+    """The swing with a smaller one of another frequency added, as if noise had no colour and with it."""
+    right = history(swing())
+    more = 0.2 * np.interp(1.3 * right.times, right.times, right.values)
+    wrong = vr.Record(
+        right.times, right.values + more, place="beam.end", quantity="displacement", direction="y", name="tip"
+    )
+    fit = vr.identify(swing(), wrong, {YOUNG: None}, laws=["kelvin_voigt"], profile=False)
+    (law,) = fit.laws
+    modulus = float(re.search(r"youngs_modulus (\S+) \+-", law.values)[1])
+    assert modulus == pytest.approx(fit[YOUNG].value, rel=1e-3)
+    assert law.values.endswith("(too narrow, it misses part of the motion)")
+
+
+def test_numbers_that_the_colour_of_the_noise_moves_are_named():
+    """Standard errors of 3e-3 and 4e-3 are 5e-3 of a difference: 2e-2 is four of them, and 1e-2 two."""
+    unknowns = Unknowns([Unknown("modulus", 1.0, logarithmic=True), Unknown("time", 1.0, logarithmic=True)])
+    none = np.zeros((0, 2))
+    last, before = (Covariance(size**2 * np.eye(2), none, np.full(2, 50.0), ()) for size in (3e-3, 4e-3))
+    found = moved_numbers(unknowns, (np.array([2e-2, 1e-2]), last), (np.zeros(2), before))
+    assert found == ["modulus (1.0202 and 1)"]
+
+
+@pytest.mark.parametrize(("start", "nearer"), [(1.3917, True), (1.3918, False)])
+def test_a_search_does_not_begin_where_a_step_has_gone_too_far(start, nearer):
+    """Newton's steps for the root of arctan diverge from 1.39175 on, where 2 z = (1 + z^2) arctan z."""
+    scaled = SimpleNamespace(values=np.arctan)
+    noise = SimpleNamespace(whitened=lambda values: values)
+    step = -np.arctan(start) * (1.0 + start**2)
+    there = np.array([start + step])
+    assert no_worse(scaled, noise, np.zeros(1), np.arctan([start]), there) is nearer
+
+
 def test_laws_that_there_are_not_are_refused():
     for laws, words in (
         (["honey"], "no such law"),
@@ -513,6 +552,19 @@ def test_what_is_wrong_in_a_file_is_told(fit_folder, old, new, words):
     done = CliRunner().invoke(app, ["identify", str(fit_folder / "fit.toml")])
     assert done.exit_code != 0
     assert words in done.output
+
+
+def test_the_file_of_the_howto_fits_its_case(tmp_path):
+    """A reader who copies both has cases and records without a change; the second record has a pull of its own."""
+    page = (Path(__file__).parents[2] / "docs/howto/identify.md").read_text(encoding="utf-8")
+    blocks = dict(re.findall(r"```none\n# (\w+\.toml)\n(.*?)```", page, re.DOTALL))
+    for name in ("bar.toml", "fit.toml"):
+        (tmp_path / name).write_text(blocks[name], encoding="utf-8")
+    for name in ("trial_1.csv", "trial_2.csv"):
+        (tmp_path / name).write_text("t [s],tip_y [mm]\n0,1\n0.1,2\n0.2,1\n", encoding="utf-8")
+    found = load_fit(tmp_path / "fit.toml")
+    pulls = [number_at(case, "loads[0].value[1]") for case, _ in [*found.pairs, *found.left_out]]
+    assert pulls == [0.02, 0.015]
 
 
 def test_content_as_toml_reads_back_as_it_was():

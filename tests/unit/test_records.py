@@ -111,7 +111,9 @@ def test_modes_static_loads_and_moduli():
     angle = np.array([0.25, 0.5]) * 1.2
     expected = LENGTH * (1.0 - np.cos(angle)) / angle
     assert loads.predicted(path, {"beam.end.offset": 1e-3}) == pytest.approx(expected + 1e-3, rel=1e-9)
-    with pytest.raises(vr.InputError, match=r"0\.1 to 1 of the full load"):
+    with pytest.raises(
+        vr.InputError, match=r"0\.1 to 1 of full_load = 1, and the equilibria go from 0\.25 to 1"
+    ):
         vr.StaticRecord([0.1, 1.0], [0.0, 0.0], place="beam.end", direction="y").predicted(path)
 
     rubber = vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(shear_time=0.02, bulk_time=0.02))

@@ -13,6 +13,7 @@ import numpy as np
 from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.common_faults import common_faults
+from viscorod.analyses.identification.faults_without_time import faults_without_time
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
 from viscorod.analyses.identification.laws import compared_laws, require_laws
@@ -141,7 +142,7 @@ def identify(
         coloured=coloured,
         seed=seed,
         report=report,
-        begin=compared.named if compared is not None else None,
+        begin=compared.found.named if compared is not None else None,
     )
     limits = _intervals(found, level, profile=profile)
     cases = found.cases()
@@ -156,10 +157,12 @@ def identify(
     )
     sentences = [
         *common_faults(found.members, found.estimate),
+        *faults_without_time(found.members, found.estimate),
         *sentences_of(found.estimate, found.known, limits, told),
         *no_programs,
     ]
     if compared is not None:
+        compared = compared.ended_in(found)
         sentences = [*compared.sentences, *sentences]
     attrs = {
         "title": cases[0].title,
@@ -173,7 +176,7 @@ def identify(
         "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
         "records": json.dumps([record.name for member in found.members for record in member.records]),
         "sentences": json.dumps(sentences),
-        "missed": json.dumps(missed(found.estimate)),
+        "missed": json.dumps(missed(found.estimate, moved=compared is not None and compared.moved)),
     }
     chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None
     return Identification(fit_dataset(found, limits, told, programs, attrs, compared, chains))

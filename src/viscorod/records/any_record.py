@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
@@ -17,6 +18,7 @@ __all__ = ["AnyRecord", "deviations", "finite", "increasing"]
 
 UNITS = {"release_time": "s", "delay": "s", "orientation": "rad", "marker": "m"}
 """Of unknowns of measurements, without the axis."""
+AXIS = re.compile("_[123xyz]$")
 STEP = 1e-4
 """Step of the differences by unknowns, as a part of their usual size."""
 
@@ -62,7 +64,7 @@ class AnyRecord(ABC):
         own = self.axes[0][1]
         if unknown.name == "drift":
             return f"{own}/s"
-        return own if unknown.name == "offset" else UNITS.get(unknown.name.rstrip("_123xyz"), "1")
+        return own if unknown.name == "offset" else UNITS.get(AXIS.sub("", unknown.name), "1")
 
     @described
     def by_nuisances(self, result: Any, nuisances: Mapping[str, float] | None = None) -> dict[str, Floats]:

@@ -15,7 +15,10 @@ from viscorod.records.read_off import QUANTITIES, Direction, direction_text, str
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
-__all__ = ["StaticRecord"]
+__all__ = ["SLACK", "StaticRecord"]
+
+SLACK = 1e-3
+"""Part of the largest load by which a record may go beyond the equilibria: weighed and converted loads are rounded."""
 
 
 class StaticRecord(AnyRecord):
@@ -64,7 +67,8 @@ class StaticRecord(AnyRecord):
             raise InputError(
                 Fault(f"{where}: full_load", f"{full_load:g}", "no load", "give the load at factor 1")
             )
-        self.load_factors = self.loads / full_load
+        self.full_load = float(full_load)
+        self.load_factors = self.loads / self.full_load
         if quantity not in ("position", "displacement", "strain", "force"):
             raise InputError(
                 Fault(f"{where}: quantity", repr(quantity), "nothing at rest has it",
@@ -90,10 +94,12 @@ class StaticRecord(AnyRecord):
         self._needs(result, "equilibrium")
         known = np.asarray(result.load_factor, dtype=float)
         low, high = float(self.load_factors.min()), float(self.load_factors.max())
-        if low < known.min() - 1e-9 or high > known.max() + 1e-9:
+        slack = SLACK * max(abs(known.min()), abs(known.max()))
+        if low < known.min() - slack or high > known.max() + slack:
             raise InputError(
-                f"record {self.name}: its loads are {low:.6g} to {high:.6g} of the full load, and the equilibria "
-                f"{known.min():.6g} to {known.max():.6g}; ask for all of them (load_factor, steps)"
+                f"record {self.name}: its loads are {low:.6g} to {high:.6g} of full_load = {self.full_load:.6g}, and "
+                f"the equilibria go from {known.min():.6g} to {known.max():.6g}; full_load is the load of the case in "
+                "the unit of `loads` (N, N m), and load_factors of the case say how far the equilibria go"
             )
         found = result.probe(self.place).isel(place=0)
         if self.quantity == "strain":

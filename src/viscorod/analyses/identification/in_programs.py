@@ -21,6 +21,9 @@ from viscorod.typing import Floats
 __all__ = ["in_programs"]
 
 STEP = 1e-4
+"""Step of differences by the coordinates of unknowns."""
+ROUND_OFF = 1e-9
+"""Part of an input by which it must change with a logarithm for its change to be more than round-off."""
 SEGMENTS = 20
 """Rigid segments into which a rod is divided for programs that have such."""
 
@@ -52,11 +55,17 @@ def in_programs(
     out, unknown = [], []
     for name, value in centre.items():
         gradient = slopes[name]
-        if not known.told(gradient) and np.linalg.norm(gradient) > 1e-9 * abs(value):
+        if np.linalg.norm(gradient) <= ROUND_OFF * abs(value):  # nothing sought acts on it
+            out.append(Combination(name, "", value, value, value, tuple(np.zeros(len(z)).tolist())))
+            continue
+        if not known.told(gradient):
             unknown.append(name)
             continue
         reach = float(stats.t.ppf(0.5 + level / 2.0, known.freedom_of(gradient))) * known.deviation(gradient)
-        out.append(Combination(name, "", value, value - reach, value + reach, tuple(gradient.tolist())))
+        low, high = value - reach, value + reach
+        if value > 0.0:  # as the numbers that it follows from, by its logarithm: damping is none below zero
+            low, high = value * np.exp(-reach / value), value * np.exp(reach / value)
+        out.append(Combination(name, "", value, float(low), float(high), tuple(gradient.tolist())))
     if unknown:
         told_in.append(
             f"The data do not tell these inputs of other programs: {_by_program(unknown, centre)}."

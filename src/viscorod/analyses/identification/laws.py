@@ -20,7 +20,7 @@ from viscorod.analyses.identification.law_sentences import EXCLUDED, law_sentenc
 from viscorod.analyses.identification.law_words import variant
 from viscorod.analyses.identification.members import members_of
 from viscorod.analyses.identification.sought import Range
-from viscorod.analyses.identification.told import dominant_frequencies, number_text
+from viscorod.analyses.identification.told import dominant_frequencies, missed, number_text
 from viscorod.casefile.case import Case
 from viscorod.errors import InputError, SolveError
 from viscorod.results.identification import Foretold
@@ -28,17 +28,22 @@ from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.intervals import Covariance, covariance
 from viscorod.solve.estimation.noise import Noise, noise_of
+from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.analyses.identify import Fitted
 
-__all__ = ["Compared", "compared_laws", "require_laws"]
+__all__ = ["Compared", "compared_laws", "moved_numbers", "require_laws"]
 
 Pairs = Sequence[tuple[Case, Any]]
 Fit = Callable[..., "Fitted"]
 OWN = "that of the case"
 """Name of the law that the case has, which is compared too where numbers of it are sought."""
+TOO_NARROW = "too narrow, it misses part of the motion"
+"""What is said beside the numbers of a law whose intervals do not hold."""
+APART = 3.0
+"""Standard errors by which the numbers of one law may differ with and without the colour of the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,7 +53,8 @@ class Compared:
     Attributes:
         columns: of the data set; words: names of the laws, and their numbers; sentences: what they say.
         foretold: free decays that were left out, by every law.
-        pairs, parameters: of an identification with the best law; named: what it found.
+        pairs, parameters: of an identification with the best law; found: as it was compared; moved: whether the
+            identification with it found other numbers.
     """
 
     columns: dict[str, Floats]
@@ -57,7 +63,26 @@ class Compared:
     foretold: list[Foretold]
     pairs: Pairs
     parameters: Mapping[str, Range]
-    named: Mapping[str, float]
+    found: Fitted
+    moved: bool = False
+
+    def ended_in(self, last: Fitted) -> Compared:
+        """Return it with the numbers of the best law as the identification gives them, and whether they have moved.
+
+        Laws are compared as if noise had no colour, and the result accounts for it. The two are estimates of the same
+        numbers; where they differ by more than they are known, the law is wrong: J. A. Hausman, Econometrica 46 (1978)
+        1251-1271.
+        """
+        words = [[self.words[0][0], _values(last, last.known)], *self.words[1:]]
+        last_known, before_known = (last.estimate.z, last.known), (self.found.estimate.z, _known(self.found))
+        moved = moved_numbers(last.unknowns, last_known, before_known)
+        if not moved:
+            return replace(self, words=words)
+        text = (
+            f"With the colour of the noise, as here, and without it, as laws were compared, {words[0][0]} has other "
+            f"numbers, farther apart than their intervals: {', '.join(moved)}. A law that held would have the same."
+        )
+        return replace(self, words=words, sentences=[*self.sentences, text], moved=True)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +104,26 @@ class _One:
             for one in best.noise.series
             if not one.certain
         )
+
+
+def moved_numbers(
+    unknowns: Unknowns, last: tuple[Floats, Covariance], before: tuple[Floats, Covariance]
+) -> list[str]:
+    """Return the numbers of a model, with both values, that two estimates put farther apart than both are known.
+
+    Args:
+        unknowns: that were sought.
+        last, before: their coordinates ``(p,)`` in each estimate, and what is known of them.
+    """
+    found = []
+    values = [unknowns.values(z) for z, _ in (last, before)]
+    for k, (one, axis) in enumerate(zip(unknowns, np.eye(len(unknowns)), strict=True)):
+        if one.nuisance or not all(known.told(axis) for _, known in (last, before)):
+            continue
+        size = float(np.hypot(*(known.deviations[k] for _, known in (last, before))))
+        if abs(last[0][k] - before[0][k]) > APART * size:
+            found.append(f"{one.name} ({values[0][k]:.5g} and {values[1][k]:.5g})")
+    return found
 
 
 def compared_laws(
@@ -110,9 +155,10 @@ def compared_laws(
     damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
     own = any(key.startswith(damping) for key in parameters)
     swings = swings_of(left_out)
-    done = []
-    for name in [*laws, *([OWN] if own else [])]:
-        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz)
+    done: list[_One] = []
+    for name in sorted([*laws, *([OWN] if own else [])], key=lambda name: name.count("+")):
+        begin = _within(name, done)
+        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz, begin)
         if isinstance(one, str):
             if report is not None:
                 report(f"law {name}: {one}")
@@ -153,7 +199,7 @@ def compared_laws(
             [_error(one.prediction) if one.prediction is not None else 0.0 for one in done]
         ),
     }
-    words = [[one.name, _values(one.found)] for one in done]
+    words = [[one.name, _values(one.found, _known(one.found))] for one in done]
     shares = {one.name: _lost_outside(one) for one in done if "air_drag" in one.name}
     lost = {name: share for name, share in shares.items() if share is not None}
     sentences = [
@@ -162,7 +208,7 @@ def compared_laws(
         *amplitude_sentences(swings_of(pairs), swings, names[0]),
     ]
     first = done[0]
-    return Compared(columns, words, sentences, told, first.pairs, first.parameters, first.found.named)
+    return Compared(columns, words, sentences, told, first.pairs, first.parameters, first.found)
 
 
 def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
@@ -176,6 +222,13 @@ def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
         _variants(pairs, name, hertz)
 
 
+def _within(name: str, done: Sequence[_One]) -> Mapping[str, float]:
+    """Return the numbers of the fitted law that has the most parts of another one, which is no worse than it."""
+    parts = {part.strip() for part in name.split("+")}
+    inner = [one for one in done if {part.strip() for part in one.name.split("+")} < parts]
+    return max(inner, key=lambda one: one.name.count("+")).found.named if inner else {}
+
+
 def _fitted(
     fit: Fit,
     pairs: Pairs,
@@ -184,6 +237,7 @@ def _fitted(
     name: str,
     left_out: Pairs,
     hertz: float,
+    begin: Mapping[str, float],
 ) -> _One | str:
     changed, own = _variants(pairs, name, hertz)
     damping = tuple(f"materials.{material}.damping" for material in changed[0][0].content["materials"])
@@ -194,7 +248,7 @@ def _fitted(
         and any(number_at(case, key) is not None for case, _ in changed)
     }
     try:
-        found = fit(changed, {**kept, **own}, nuisances, coloured=False)
+        found = fit(changed, {**kept, **own}, nuisances, coloured=False, begin=begin)
         prediction = None
         if left_out:
             others, _ = _variants(left_out, name, hertz)
@@ -262,8 +316,7 @@ def _known(found: Fitted) -> Covariance:
     return covariance(replace(found.estimate, noise=_noise(found)))
 
 
-def _values(found: Fitted) -> str:
-    known = _known(found)
+def _values(found: Fitted, known: Covariance) -> str:
     texts = []
     for k, one in enumerate(found.unknowns):
         if one.nuisance:
@@ -275,7 +328,8 @@ def _values(found: Fitted) -> str:
         texts.append(
             f"{short} {number_text(value, value - size, value + size)}" if told else f"{short} not told"
         )
-    return "; ".join(texts)
+    worth = f" ({TOO_NARROW})" if missed(found.estimate) and any("+-" in text for text in texts) else ""
+    return "; ".join(texts) + worth
 
 
 def _lost_outside(one: _One) -> float | None:

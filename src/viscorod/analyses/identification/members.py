@@ -22,6 +22,7 @@ from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.errors import Fault, InputError, last_warnings
+from viscorod.records.static_record import SLACK, StaticRecord
 from viscorod.solve.problem.division import Division, Divisions
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.modes import ModesSettings
@@ -154,8 +155,20 @@ class Member:
         return {name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()}
 
     def _settled(self) -> Any:
-        """Return the settings with steps that are fine enough for differences, long enough for all records."""
+        """Return the settings with steps that are fine enough for differences, long enough for all records.
+
+        Equilibria are those at the measured loads, as far as those of the case go.
+        """
         settings = self.case.settings
+        if isinstance(settings, EquilibriumSettings) and not settings.stages and settings.start is None:
+            loads = [np.asarray(one.load_factors) for one in self.records if isinstance(one, StaticRecord)]
+            wanted = np.unique(np.concatenate(loads)) if loads else np.zeros(0)
+            reach = (1.0 + SLACK) * max(settings.stops)
+            if len(wanted) and 0.0 <= wanted[0] and wanted[-1] <= reach:
+                return settings.model_copy(
+                    update={"load_factors": tuple(wanted.tolist()), "load_steps": None, "load_factor": 1.0}
+                )
+            return settings
         if not isinstance(settings, SimulateSettings):
             return settings
         changes: dict[str, Any] = {}

@@ -10,7 +10,7 @@ from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.named_combinations import Combination
 from viscorod.solve.estimation.intervals import Covariance, Interval
 from viscorod.solve.estimation.least_squares import Estimate
-from viscorod.solve.estimation.noise import ljung_box
+from viscorod.solve.estimation.noise import Series, ljung_box
 from viscorod.typing import Floats
 
 __all__ = [
@@ -18,6 +18,7 @@ __all__ = [
     "at_signal",
     "dominant_frequencies",
     "missed",
+    "much_left",
     "number_text",
     "sentences_of",
     "whiteness",
@@ -25,6 +26,9 @@ __all__ = [
 
 CORRELATED = 0.01
 """Probability of such an autocorrelation below which residuals are called correlated."""
+LEFT, LEFT_OF_FREQUENCIES = 0.3, 0.05
+"""Part of the spread of values without a time, and of natural frequencies, that may be left before the model is said to
+miss something; their residuals show no colour."""
 LARGER = 2.0
 """Times the noise that was told by which residuals must be larger to be called a miss of the model."""
 PARTS = 0.15
@@ -84,19 +88,34 @@ def at_signal(best: Estimate) -> list[float]:
     return found
 
 
-def missed(best: Estimate) -> list[str]:
+def missed(best: Estimate, *, moved: bool = False) -> list[str]:
     """Return the series of which the model misses part, so that intervals do not hold for what it leaves out.
 
-    Residuals are correlated and lie at the frequency of the record, or they are larger than the noise that was told.
+    Residuals are correlated and lie at the frequency of the record, or they are larger than the noise that was told; of
+    values without a time much is left. Where the colour of the noise has `moved` the numbers, all that is correlated
+    counts.
     """
     listed = zip(best.noise.series, best.noise.found, whiteness(best), at_signal(best), strict=True)
     return [
         series.label
         for series, noise, probability, share in listed
         if not series.certain
-        and probability < CORRELATED
-        and (share > MISSED or (series.told and noise.factor > LARGER))
+        and (
+            much_left(best, series)
+            or (
+                probability < CORRELATED
+                and (moved or share > MISSED or (series.told and noise.factor > LARGER))
+            )
+        )
     ]
+
+
+def much_left(best: Estimate, series: Series) -> bool:
+    """Return whether much is left of values without a time, over the noise that was told or their own spread."""
+    if series.regular or series.certain:
+        return False
+    left = float(np.sqrt(np.mean((best.residuals[series.rows] / series.noise) ** 2)))
+    return left > (LARGER if series.told else LEFT_OF_FREQUENCIES if series.group == "frequencies" else LEFT)
 
 
 def sentences_of(
@@ -157,7 +176,11 @@ def _of_residuals(best: Estimate) -> list[str]:
             else:
                 text += "; the intervals allow for it."
             found.append(text)
-        elif larger:
+        elif larger or series.label in of_these:
+            part = float(np.sqrt(np.mean((best.residuals[series.rows] / series.noise) ** 2)))
+            level = (
+                level or f"{100.0 * part:.2g} % of {'it' if series.group == 'frequencies' else 'its spread'}"
+            )
             found.append(
                 f"What is left of {series.label} is {level}: the model misses something, or the noise is larger."
             )

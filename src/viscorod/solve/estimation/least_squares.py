@@ -20,7 +20,7 @@ from viscorod.solve.estimation.predictions import Predictions
 from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
-__all__ = ["Estimate", "Scaled", "estimate", "searched"]
+__all__ = ["Estimate", "Scaled", "estimate", "no_worse", "searched"]
 
 ROUNDS = 4
 """Times that the noise is estimated at most."""
@@ -223,7 +223,8 @@ def _weighted(
             z = z + step
             predicted = scaled.values(z)
             continue
-        moved = searched(scaled, measured, noise, unknowns.bounds, z + step, unknowns.start, slopes=slopes)
+        begin = z + step if no_worse(scaled, noise, measured, predicted, z + step) else z
+        moved = searched(scaled, measured, noise, unknowns.bounds, begin, unknowns.start, slopes=slopes)
         if not np.array_equal(moved, z):
             z, predicted, slopes = moved, scaled.values(moved), scaled.jacobian(moved)
     return Estimate(
@@ -238,6 +239,16 @@ def _weighted(
         agreeing,
         scaled.evaluations,
     )
+
+
+def no_worse(scaled: Scaled, noise: Noise, measured: Floats, predicted: Floats, z: Floats) -> bool:
+    """Return whether the sum of squares is no larger at z than that of values predicted elsewhere: steps may go far."""
+    try:
+        there = noise.whitened(measured - scaled.values(z))
+    except (SolveError, InputError):
+        return False
+    here = noise.whitened(measured - predicted)
+    return bool(there @ there <= here @ here)
 
 
 def _bounded_step(unknowns: Unknowns, z: Floats, white: Floats, residual: Floats) -> Floats:

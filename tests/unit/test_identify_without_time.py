@@ -1,0 +1,162 @@
+"""What often is wrong with tables of modes, static loads and responses is named; invented data of known truth."""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.analyses.case_run import run_case
+from viscorod.casefile.case import case_from_dict
+from viscorod.errors import InputError
+
+YOUNG = "materials.alloy.youngs_modulus"
+TIMES = "materials.alloy.damping.shear_time, materials.alloy.damping.bulk_time"
+TRUE = {
+    "youngs_modulus": 70e9,
+    "poissons_ratio": 0.33,
+    "density": 2700.0,
+    "damping": {"shear_time": 1e-4, "bulk_time": 1e-4},
+}
+
+
+def strip(analysis):
+    return case_from_dict(
+        {
+            "title": "strip",
+            "materials": {"alloy": TRUE},
+            "rods": {
+                "strip": {
+                    "shape": "straight",
+                    "start": [0.0, 0.0, 0.0],
+                    "end": [0.4, 0.0, 0.0],
+                    "section": {"shape": "rectangle", "width": 0.02, "height": 0.003},
+                    "material": "alloy",
+                    "elements": 1,
+                    "order": 4,
+                }
+            },
+            "supports": [{"kind": "clamp", "at": "strip.start"}],
+            "loads": [{"kind": "force", "at": "strip.end", "value": [0.0, 0.0, -1.0], "until": 0.0}],
+            **analysis,
+        }
+    )
+
+
+MODES = strip({"modes": {"count": 5}, "loads": []})
+HERTZ = np.linspace(6.0, 61.0, 12)
+SHAKEN = strip(
+    {
+        "response": {
+            "inputs": ["strip.end fz"],
+            "outputs": ["strip.end az"],
+            "frequencies": HERTZ.tolist(),
+            "about": "reference",
+        }
+    }
+)
+LOADED = strip({"equilibrium": {}})
+
+
+def told(fit, words):
+    return [text for text in fit.sentences if words in text]
+
+
+@pytest.mark.parametrize("order", [[1, 3, 4], [2, 1, 3, 4]], ids=["one was missed", "two were exchanged"])
+def test_modes_that_were_missed_or_exchanged_are_named(order):
+    found = run_case(MODES)
+    noise = 1.0 + 0.002 * np.random.default_rng(3).normal(size=len(order))
+    measured = found.frequencies[[k - 1 for k in order]] * noise
+    wrong = vr.identify(MODES, vr.ModesRecord(measured), {YOUNG: 60e9}, profile=False)
+    assert wrong.missed == ["modes: frequencies"]
+    inputs = wrong.in_programs
+    assert all(one.low > 0.0 for one in inputs.values())  # also those that the data hardly tell
+    assert (inputs["BeamDyn: mu1"].low, inputs["BeamDyn: mu1"].high) == (
+        1e-4,
+        1e-4,
+    )  # no modulus acts on a time
+    assert told(wrong, f"give modes = {order}")
+    right = vr.identify(MODES, vr.ModesRecord(measured, modes=order), {YOUNG: 60e9})
+    assert right[YOUNG].low < 70e9 < right[YOUNG].high
+    assert not right.missed
+    assert not right.sentences
+
+
+def moved(**more):
+    """What five loads move, at loads that are rounded as those of a balance are; the case has one load step."""
+    loads = np.array([0.0, 0.25, 0.5, 0.75, 1.00004])
+    about = {"place": "strip.end", "direction": "z", **more}
+    known = strip({"equilibrium": {"load_factors": [0.0, 0.25, 0.5, 0.75, 1.0]}})
+    clean = vr.StaticRecord(loads, np.zeros(5), **about).predicted(run_case(known))
+    return loads, clean + 2e-5 * np.random.default_rng(1).normal(size=5), about
+
+
+def test_equilibria_are_those_at_the_measured_loads():
+    """Bending at small loads is in proportion to them: E from the slope, w = F L^3 / (3 E I) and shear, alike."""
+    loads, values, about = moved()
+    fit = vr.identify(LOADED, vr.StaticRecord(loads, values, **about), {YOUNG: 60e9})
+    assert fit[YOUNG].low < 70e9 < fit[YOUNG].high
+    slope = float(np.polyfit(loads, values, 1)[0])
+    bending = 0.4**3 / (3.0 * 0.02 * 0.003**3 / 12.0)
+    assert fit[YOUNG].value == pytest.approx(bending / abs(slope), rel=3e-3)
+    assert not fit.sentences
+
+
+@pytest.mark.parametrize(
+    ("change", "words"), [(-1.0, "goes to the other side"), (1000.0, "times as far as the model")]
+)
+def test_sign_and_unit_of_what_a_load_moved_are_named(change, words):
+    loads, values, about = moved()
+    fit = vr.identify(
+        LOADED, vr.StaticRecord(loads, change * values, **about), {YOUNG: (30e9, 60e9, 200e9)}, profile=False
+    )
+    assert told(fit, words)
+    assert fit.missed == ["strip.end"]
+
+
+def test_loads_in_grams_are_refused_with_what_full_load_is():
+    loads, values, about = moved()
+    with pytest.raises(
+        InputError, match=r"101\.976 of full_load = 1, and the equilibria go from 1 to 1; full_load is"
+    ):
+        vr.identify(LOADED, vr.StaticRecord(loads / 9.80665e-3, values, **about), {YOUNG: 60e9})
+
+
+@pytest.fixture(scope="module")
+def accelerance():
+    found = np.asarray(run_case(SHAKEN).response(0, 0))
+    rng = np.random.default_rng(0)
+    return found + 0.003 * np.abs(found).max() * (rng.normal(size=12) + 1j * rng.normal(size=12))
+
+
+OMEGA = 2j * np.pi * HERTZ
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (
+            1.0 / OMEGA**2,
+            "looks like the second integral (a displacement where the case has an acceleration)",
+        ),
+        (1.0 / OMEGA, "looks like the integral ("),
+        (-1.0, "with the opposite sign"),
+        (1.0 / 9.80665, "times the response of the model"),
+        (np.exp(-1e-3 * OMEGA), "is what another delay would leave"),
+        (None, "exp(-i omega t); give its conjugate"),
+    ],
+    ids=["receptance", "mobility", "sign", "in g", "delay", "conjugate"],
+)
+def test_kind_sign_size_and_delay_of_a_response_are_named(accelerance, change, words):
+    values = np.conj(accelerance) if change is None else change * accelerance
+    fit = vr.identify(SHAKEN, vr.ResponseRecord(HERTZ, values), {YOUNG: (55e9, 69e9, 90e9)}, profile=False)
+    assert told(fit, words), fit.sentences
+
+
+def test_a_response_tells_modulus_time_gain_and_delay(accelerance):
+    late = 2.5 * np.exp(-1e-3 * OMEGA) * accelerance
+    record = vr.ResponseRecord(HERTZ, late, unknown=["gain", "delay"])
+    fit = vr.identify(SHAKEN, record, {YOUNG: 69e9, TIMES: 2e-4})
+    for name, true in ((YOUNG, 70e9), (TIMES, 1e-4), ("response.gain", 2.5), ("response.delay", 1e-3)):
+        assert fit[name].low < true < fit[name].high, name
+        assert fit[name].high - fit[name].low < 0.3 * true, name
+    assert fit["response.delay"].unit == "s"
+    assert not fit.sentences
