@@ -26,7 +26,7 @@ def strip(material):
     """A strip, clamped."""
     model = vr.Model()
     rod = vr.Rod.straight(
-        (0, 0, 0), (0.15, 0, 0), section=vr.Rectangle(0.02, 0.002), material=material, elements=2, order=4
+        (0, 0, 0), (0.15, 0, 0), section=vr.Rectangle(0.02, 0.002), material=material, elements=1, order=4
     )
     model.add("strip", rod)
     model.clamp("strip.start")
@@ -43,10 +43,10 @@ def test_vibrations_are_as_stiff_as_the_material_at_their_frequency():
     modes = StartModes.about(discrete.static, State.reference(discrete.problem), 0.0)
     elastic = DiscreteModel.of(strip(vr.Material(2e9, poissons_ratio=0.4, density=1200.0)))
     bare = linearise(elastic.static, State.reference(elastic.problem), scale=0.0)
-    W, w = natural_frequencies(bare, 10), modes.omega[:10]
+    W, w = natural_frequencies(bare, 6), modes.omega[:6]
     modulus = material.relaxation("extension").complex_modulus(w) / 2e9
     np.testing.assert_allclose((w / W) ** 2, modulus.real, rtol=1e-8)
-    np.testing.assert_allclose(modes.decay[:10], W**2 * modulus.imag / (2.0 * w), rtol=1e-6)
+    np.testing.assert_allclose(modes.decay[:6], W**2 * modulus.imag / (2.0 * w), rtol=1e-6)
 
 
 def test_a_release_from_where_it_crept_to():

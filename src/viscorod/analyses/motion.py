@@ -461,7 +461,8 @@ def _halved_steps(
         given["tolerance"] = settings.tolerance or method.tolerance
     twin = make(**given)
     strains = _integrates_strains(settings)
-    return HalvedSteps(twin, modes(), discrete.problem, method.order_with(given), strains=strains)
+    order, turning = method.order_with(given), settings.dynamics == "nonlinear"
+    return HalvedSteps(twin, modes(), discrete.problem, order, strains=strains, turning=turning)
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
