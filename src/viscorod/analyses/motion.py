@@ -353,7 +353,7 @@ def described(
         "smallest_step": effort.smallest_step,
         "smallest_step_at": effort.smallest_at,
         "smallest_step_why": effort.smallest_why,
-        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *transient.notes]),
+        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *effort.notes]),
     }
     tolerance = getattr(transient.integrator, "tolerance", None)
     if tolerance is not None:
