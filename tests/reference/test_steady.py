@@ -11,6 +11,7 @@ from scipy.integrate import solve_bvp
 from scipy.linalg import eigh
 
 import viscorod as vr
+from helpers.plain_text import flat
 from reference.cases import cantilever, slope, stiff
 
 FORMULATIONS = ("geometric", "intrinsic")
@@ -538,6 +539,24 @@ def test_conical_pendulum():
     tip = found.position("bob.end")
     assert -tip[2] / np.linalg.norm(tip) == pytest.approx(15.0 / 25.0, rel=1e-4)
     assert found.stable
+
+
+@pytest.mark.parametrize("part", [0.8, 1.3])
+def test_a_pendulum_that_hangs_beyond_its_bifurcation_says_so(part):
+    """Closed form: a rod on a hinge that is turned at W leaves the vertical from ``W^2 = 3 g/(2 L)`` on; beyond, it
+    does so at the rate ``sqrt(W^2 - 3 g/(2 L))``."""
+    model = vr.Model()
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1e4, 1e4, 1e4], [1.0, 1.0, 1.0, 1e-9, 1e-9, 1e-9])
+    model.add("bob", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section, elements=1, order=3))
+    model.support("bob.start", ("ux", "uy", "uz", "rx", "rz"))
+    model.gravity((0, 0, -10.0))
+    found = model.steady(spin=(0, 0, part * np.sqrt(15.0)), centre=(0, 0, 0))
+    told = [text for text in found.warnings if "unstable" in text]
+    assert len(told) == (part > 1.0)
+    if told:
+        assert found.growth_rate == pytest.approx(np.sqrt(15.0 * (part**2 - 1.0)), rel=1e-3)
+        assert f"at up to {found.growth_rate:.3g} 1/s" in told[0]
+        assert told[0] in flat(found.report())
 
 
 def test_carousel():

@@ -169,10 +169,23 @@ def pendulum():
     return model, {"duration": 3.0, "initial": "reference"}
 
 
+def double_pendulum():
+    """Two stiff rods on hinges, let go level: joints let the second one move otherwise once it has turned."""
+    model = vr.Model()
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7850.0)
+    given = {"section": vr.Circle(0.05), "material": material, "elements": 1, "order": 2}
+    model.add("one", vr.Rod.straight((0, 0, 0), (1, 0, 0), **given))
+    model.add("two", vr.Rod.straight((1, 0, 0), (2, 0, 0), **given))
+    model.revolute("one.start", "ground", (0, 1, 0))
+    model.revolute("one.end", "two.start", (0, 1, 0))
+    model.gravity((0, 0, -9.81))
+    return model, {"duration": 2.0, "initial": "reference"}
+
+
 MOTIONS = (
-    swinging, fading, relaxing, intrinsic, by_alpha, forced, linear, whirling, tumbling, pendulum,
+    swinging, fading, relaxing, intrinsic, by_alpha, forced, linear, whirling, tumbling, pendulum, double_pendulum,
 )  # fmt: skip
-SHORTER = {swinging: 0.5, relaxing: 0.5, linear: 0.015}
+SHORTER = {swinging: 0.5, relaxing: 0.5, linear: 0.015, double_pendulum: 1.2}
 """Seconds that show as much where small tolerances take very many steps."""
 
 

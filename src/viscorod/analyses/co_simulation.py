@@ -15,7 +15,7 @@ from viscorod.analyses.motion import (
     described,
     initial_state,
     integrator_makers,
-    small_motions,
+    small_vibrations,
     stepping,
 )
 from viscorod.analyses.provenance import provenance
@@ -64,7 +64,7 @@ class CoSimulation:
         integrator, control, self._chosen = stepping(
             discrete,
             settings,
-            partial(small_motions, discrete, settings, state),
+            partial(small_vibrations, discrete, settings, state),
             integrator_makers(discrete, settings, state)[0],
         )
         self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)

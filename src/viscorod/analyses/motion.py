@@ -34,6 +34,7 @@ from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.modes.vibrations import natural_frequencies
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
@@ -66,6 +67,7 @@ __all__ = [
     "integrator_makers",
     "motion",
     "small_motions",
+    "small_vibrations",
     "stepping",
 ]
 
@@ -116,9 +118,13 @@ def _motion(
         linear()
     else:  # where the stresses are those of the start in any case
         discrete.static.restore(state, 0.0, before=True, scale=_held_part(settings))
+    relaxing = cache(lambda: Relaxing.of(discrete.static.system, start, linear()))
+    start = state.copy()
     makers = integrator_makers(discrete, settings, state)
-    integrator, control, chosen = stepping(discrete, settings, linear, makers[0])
-    halved, start = _halved_steps(discrete, settings, linear, chosen, makers[1]), state.copy()
+    integrator, control, chosen = stepping(
+        discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0]
+    )
+    halved = _halved_steps(discrete, settings, lambda: StartModes.of(linear(), relaxing()), chosen, makers[1])
     transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node, halved)
     began = time.perf_counter()
 
@@ -347,7 +353,7 @@ def described(
         "smallest_step": effort.smallest_step,
         "smallest_step_at": effort.smallest_at,
         "smallest_step_why": effort.smallest_why,
-        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *transient.notes]),
+        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *effort.notes]),
     }
     tolerance = getattr(transient.integrator, "tolerance", None)
     if tolerance is not None:
@@ -416,7 +422,8 @@ def stepping(
     """Return integrator, step control and what was chosen, by name.
 
     Args:
-        linear: returns small motions about the start; it is called where they are needed.
+        linear: returns small motions about the start, as stiff as vibrations see them; it is called where they are
+            needed.
     """
     method = INTEGRATORS[settings.integrator]
     duration = settings.duration
@@ -441,7 +448,7 @@ def stepping(
 def _halved_steps(
     discrete: DiscreteModel,
     settings: SimulateSettings,
-    linear: Callable[[], Linearisation],
+    modes: Callable[[], StartModes],
     chosen: Mapping[str, Any],
     make: Callable[..., Integrator],
 ) -> HalvedSteps | None:
@@ -454,14 +461,19 @@ def _halved_steps(
         given["tolerance"] = settings.tolerance or method.tolerance
     twin = make(**given)
     strains = _integrates_strains(settings)
-    return HalvedSteps(
-        twin, StartModes.of(linear()), discrete.problem, method.order_with(given), strains=strains
-    )
+    order, turning = method.order_with(given), settings.dynamics == "nonlinear"
+    return HalvedSteps(twin, modes(), discrete.problem, order, strains=strains, turning=turning)
 
 
 def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
     """Return small motions about the state that a motion starts from."""
     return linearise(discrete.static, state, scale=_held_part(settings))
+
+
+def small_vibrations(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
+    """Return the same, as stiff as the slowest vibration sees them."""
+    linear = small_motions(discrete, settings, state)
+    return vibrating(linear, Relaxing.of(discrete.static.system, state, linear))
 
 
 def _held_part(settings: SimulateSettings) -> float:

@@ -12,6 +12,7 @@ from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import SolveError
 from viscorod.results.steady_result import Steady
+from viscorod.shown import counted
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
@@ -51,8 +52,16 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings, first: St
 
 
 def _doubts(stability: Stability) -> list[str]:
-    """Return what is uncertain about the small motions."""
+    """Return what is doubtful about a rotation and its small motions."""
     doubts = []
+    if stability.unstable:
+        grow = (
+            f"{counted(stability.unstable, 'small motion')} {'grows' if stability.unstable == 1 else 'grow'}"
+        )
+        doubts.append(
+            f"the rotation is unstable: {grow}, at up to {stability.growth:.3g} 1/s, so that it does not last; look "
+            "for another one from a different state (start), or let simulate show where it goes"
+        )
     if not stability.complete:
         doubts.append("it is not proved that none is missing among the small motions that are listed")
     if not stability.certified:

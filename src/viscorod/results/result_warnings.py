@@ -31,7 +31,7 @@ def warnings_of(result: Result) -> list[str]:
 
     Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
     account above 1 % of the energy that moved, steps whose errors are estimated to add up to more than 1 % of the
-    motion, or that had to be halved, a mesh whose error is estimated as more than
+    motion, a mesh whose error is estimated as more than
     1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, and shear, stretch,
     or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang
     and Tuganov, section 2.2) is doubtful.
@@ -44,13 +44,6 @@ def warnings_of(result: Result) -> list[str]:
     doubt = motion_doubt(data.attrs)
     if doubt and doubt not in texts:
         texts.append(doubt)
-    rejected = int(data.attrs.get("rejected", 0))
-    # steps that follow the error are rejected now and then, and load steps may be of any size
-    if rejected and result.dimension == "time" and "tolerance" not in data.attrs:
-        plural = "s" if rejected > 1 else ""
-        texts.append(
-            f"{rejected} time step{plural} did not converge and had to be tried again with a smaller one"
-        )
     gap = float(data.attrs.get("pose_gap", 0.0)) / float(data.attrs.get("scale_length", 1.0))
     if gap > _GAP:
         texts.append(

@@ -96,7 +96,17 @@ class FunctionOfTime(TimeFunction):
 
     def _call(self, function: Callable[[float], float] | None, t: float, before: bool) -> float:
         assert function is not None
-        result = function(math.nextafter(t, -math.inf) if before and t in self.break_times else t)
+        at = math.nextafter(t, -math.inf) if before and t in self.break_times else t
+        try:
+            result = function(at)
+        except RefusedError:
+            raise
+        except Exception as error:
+            raise RefusedError(
+                f"the function of time failed at t = {t:.9g} s: {type(error).__name__}: {error}",
+                "make it return a finite number at all times",
+                found="",
+            ) from error
         try:
             return number(result)
         except RefusedError as error:

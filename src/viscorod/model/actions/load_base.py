@@ -52,7 +52,22 @@ class AnyLoad(Definition):
         """Return the factor at time `t` (the limit from the left if `before`)."""
         if self.until is not None and not (t < self.until or (before and t == self.until)):
             return 0.0
-        return 1.0 if self.time is None else self.time.value(t, before)
+        return self.course(t, before)
+
+    def course(self, t: float, before: bool = False) -> float:
+        """Return the value of its function of time at `t`, whether it still acts or not.
+
+        Raises:
+            InputError: a function of the user fails there.
+        """
+        if self.time is None:
+            return 1.0
+        try:
+            return self.time.value(t, before)
+        except RefusedError as error:
+            place = next((f" at {at}" for at in (getattr(self, key, "") for key in ("at", "rod")) if at), "")
+            why = f"the time of the {getattr(self, 'kind', 'load')}{place}: {error.why}"
+            raise RefusedError(why, error.instead, found=error.found) from error
 
     def steady_after(self, t: float) -> bool:
         """Return whether the factor is known to stay the same from just after time `t` [s] to its next breakpoint."""

@@ -10,7 +10,6 @@ import numpy as np
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
@@ -59,9 +58,7 @@ class AtRest:
             state = corrected(Balance(finer, factor=scale), finer.take_over(finer.carried([shape])))
         if state is None:
             return cls(own, scale, count, None, None)
-        return cls(
-            own, scale, count, state, StartModes.of(linearise(finer.static, state, scale=scale), count)
-        )
+        return cls(own, scale, count, state, StartModes.about(finer.static, state, scale, count))
 
     def is_of(self, shape: Shape, scale: float, count: int) -> bool:
         """Return whether it is that of exactly this state."""
@@ -95,7 +92,7 @@ class PhaseDrift:
         known: AtRest | None = None,
     ) -> None:
         self.problem, self.state, self._motion = motion.problem, shape.state, motion
-        self.modes = modes or StartModes.of(linearise(static, shape.state, scale=scale), COUNT)
+        self.modes = modes or StartModes.about(static, shape.state, scale, COUNT)
         count = min(len(self.modes.omega), FOLLOWED)
         if known is None or not known.is_of(shape, scale, count):
             known = AtRest.of(motion.finer, shape, scale, count)

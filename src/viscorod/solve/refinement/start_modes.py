@@ -7,8 +7,11 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.errors import SolveError
-from viscorod.solve.modes.linearisation import Linearisation
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.modes.undamped import undamped_modes
+from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
 __all__ = ["StartModes"]
@@ -35,20 +38,33 @@ class StartModes:
     rigid: Floats
 
     @classmethod
-    def of(cls, linear: Linearisation, count: int = COUNT) -> StartModes:
-        """Find the modes of small motions, at least ``count`` of them if there are as many; none if they cannot be."""
+    def about(cls, static: StaticSolver, state: State, scale: float, count: int = COUNT) -> StartModes:
+        """Find the modes of small motions about a state under ``scale`` times the loads just before t = 0."""
+        linear = linearise(static, state, scale=scale)
+        return cls.of(linear, Relaxing.of(static.system, state, linear), count)
+
+    @classmethod
+    def of(cls, linear: Linearisation, relaxing: Relaxing | None = None, count: int = COUNT) -> StartModes:
+        """Find the modes of small motions, at least ``count`` of them if there are as many; none if they cannot be.
+
+        Args:
+            linear: the motions; relaxing: what Maxwell branches add to their stiffness.
+        """
         rows = linear.basis.shape[0]
+        linear = vibrating(linear, relaxing)
         try:
             found = undamped_modes(linear, count, precise=PRECISE)
         except SolveError:
             return cls(np.zeros(0), np.zeros((rows, 0)), np.zeros(0), np.zeros((rows, 0)))
         swinging = found.squares > 0.0
-        vectors, basis = found.shapes[:, swinging], found.linear.basis
+        vectors, basis, squares = found.shapes[:, swinging], found.linear.basis, found.squares[swinging]
         decay = 0.5 * np.einsum("ik,ik->k", vectors, found.linear.damping @ vectors)
         others = np.hstack([found.rigid, found.shapes[:, ~swinging]])
-        return cls(
-            np.sqrt(found.squares[swinging]), np.asarray(basis @ vectors), decay, np.asarray(basis @ others)
-        )
+        shapes = np.asarray(basis @ vectors)
+        if relaxing is not None:
+            squares, lost = relaxing.apart(squares, shapes)
+            decay = decay + lost
+        return cls(np.sqrt(squares), shapes, decay, np.asarray(basis @ others))
 
     @property
     def eigenvalues(self) -> np.ndarray:

@@ -73,7 +73,7 @@ class Retraced(Transient):
     def open(self, state: State, duration: float) -> None:
         """Begin in ``state`` (overwritten) a motion that lasts for ``duration`` [s]."""
         self.duration, self._patient = duration, False
-        self.result = TransientResult(History(), effort=self.effort, notes=self.notes)
+        self.result = TransientResult(History(), effort=self.effort)
         self.begin(state)
 
     def step(self, corner: float) -> bool:

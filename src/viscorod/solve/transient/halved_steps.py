@@ -17,6 +17,7 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.nodal_motion import pose_differences
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.refinement.carried_modes import CarriedModes
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.saved_state import hand_over
@@ -93,20 +94,30 @@ class HalvedSteps:
         twin: an integrator like that of the run, made anew.
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
+        turning: parts may turn against each other, and their motions with them.
 
     Attributes:
         trials: what was found.
     """
 
     def __init__(
-        self, twin: Integrator, modes: StartModes, problem: Problem, order: int, *, strains: bool = False
+        self,
+        twin: Integrator,
+        modes: StartModes,
+        problem: Problem,
+        order: int,
+        *,
+        strains: bool = False,
+        turning: bool = True,
     ) -> None:
         self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
+        self.problem, self.turning = problem, turning
         self.unit = np.repeat([problem.length, 1.0], 3)
         self.trials = Trials(*np.zeros((2, problem.size, 6)))
         self.power, self.seen = order + 1, twin.seen_by_halving
         self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
+        self._carried: CarriedModes | None = None
         self._kept = False
 
     def begin(self, state: State, duration: float) -> None:
@@ -114,6 +125,7 @@ class HalvedSteps:
         self.twin.start(0.0, state.copy())
         self.twin.watch(duration)
         self._start = self.twin.state.copy()
+        self._carried = CarriedModes(self.modes, self.problem, self._start) if self.turning else None
         self._measure(_reached(self.twin))
 
     def prepare(self, number: int, integrator: Integrator, h: float) -> None:
@@ -194,14 +206,15 @@ class HalvedSteps:
         moving = np.stack([pose, state.twist - better.twist, before, state.twist])
         momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
         momenta[:2] /= self.seen
-        errors, rigid = momenta[:2] @ modes.shapes, momenta @ modes.rigid
-        explained = (modes.shapes @ errors[0] + modes.rigid @ rigid[0]).reshape(size, 6)
+        shapes, still = (modes.shapes, modes.rigid) if self._carried is None else self._carried.at(better)
+        errors, rigid = momenta[:2] @ shapes, momenta @ still
+        explained = (shapes @ errors[0] + still @ rigid[0]).reshape(size, 6)
         errors[1] /= modes.omega
         trials = self.trials
         trials.lengths.append(step.h)
         trials.times.append(step.end)
         trials.errors.append(errors)
-        trials.amplitudes.append(np.abs(momenta[2:] @ modes.shapes).max(axis=0) / modes.omega)
+        trials.amplitudes.append(np.abs(momenta[2:] @ shapes).max(axis=0) / modes.omega)
         trials.rigid.append(rigid[:2])
         trials.energies.append(np.square(rigid[2:]).sum(axis=1))
         rest = pose / self.seen - explained

@@ -8,6 +8,7 @@ functions that lie between the stages: steps follow the content as far as it mov
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 
 import numpy as np
@@ -49,10 +50,14 @@ class StepContent:
         basis = np.eye(2 * len(through))
         slopes = 2.0 * legendre.legval(through, legendre.legder(basis)).T
         self._hermite = np.linalg.inv(np.concatenate([legendre.legval(through, basis).T, slopes]))
-        self._functions = {
-            number: (function.value, *_scan(function, duration))
-            for number, function in problem.functions.items()
-        }
+        factors: dict[int, Callable[[float, bool], float]] = {}
+        for loads in (problem.nodal_loads, problem.motion_loads, problem.station_loads):
+            factors |= {load.load: load.factor for load in loads}
+        self._functions = {}
+        for number, function in problem.functions.items():
+            factor = factors.get(number, function.value)
+            course = getattr(getattr(factor, "__self__", None), "course", function.value)  # names the load
+            self._functions[number] = course, *_scan(function, duration, factor)
         self._motions = [
             (motion, component < 3, *_course(motion, duration))
             for _, component, motion in problem.supports.motions
@@ -124,21 +129,33 @@ def _projection(record: TimeTable, start: float, end: float, terms: int) -> tupl
     return found, float(np.sqrt(np.sum(weights * (values - basis @ found) ** 2)))
 
 
-def _scan(function: FunctionOfTime, duration: float) -> tuple[Floats, Floats]:
-    """Return times and values of a function over a run: evenly, and more where it changes much."""
+def _scan(
+    function: FunctionOfTime, duration: float, used: Callable[[float, bool], float]
+) -> tuple[Floats, Floats]:
+    """Return times and values of a function over a run: evenly, and more where it changes much.
+
+    Where it has no value, what is ``used`` of it says so by an error, or does not need it.
+    """
     if not np.isfinite(duration):
         return np.zeros(0), np.zeros(0)
-    sample = function.value_function
+
+    def sample(t: float) -> float:
+        try:
+            return float(function.value_function(t))
+        except Exception:  # the user's; what is used of it tells
+            return math.nan
+
     times = np.linspace(0.0, duration, SAMPLES + 1)
-    values = np.array([float(sample(t)) for t in times.tolist()])
+    values = np.array([sample(t) for t in times.tolist()])
     change = np.abs(np.diff(values))
     steep = np.flatnonzero(change > 0.01 * max(np.ptp(values), np.finfo(float).tiny))
     steep = steep[np.argsort(change[steep])[::-1]][: SAMPLES // 14]
     more = (times[steep, None] + np.diff(times)[steep, None] * np.arange(1, 8) / 8.0).ravel()
     times = np.concatenate([times, more])
-    values = np.concatenate([values, [float(sample(t)) for t in more.tolist()]])
-    for t in times[~np.isfinite(values)].tolist():
-        function.value(t)  # refuses the value, with the time
+    values = np.concatenate([values, [sample(t) for t in more.tolist()]])
+    missing = np.flatnonzero(~np.isfinite(values))
+    for k in missing[np.argsort(times[missing])].tolist():
+        values[k] = used(float(times[k]), False)  # refuses the value, with the time
     order = np.argsort(times)
     return times[order], values[order]
 
@@ -146,6 +163,6 @@ def _scan(function: FunctionOfTime, duration: float) -> tuple[Floats, Floats]:
 def _course(motion: TimeTable | FunctionOfTime, duration: float) -> tuple[Floats, Floats]:
     """Return times and values of a prescribed motion: those of a table, or samples of a function."""
     if isinstance(motion, FunctionOfTime):
-        return _scan(motion, duration)
+        return _scan(motion, duration, motion.value)
     times = np.sort(np.concatenate([motion.knots, 0.5 * (motion.knots[1:] + motion.knots[:-1])]))
     return times, motion.at(times)

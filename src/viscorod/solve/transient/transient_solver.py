@@ -24,8 +24,6 @@ from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 from viscorod.solve.transient.step_control import StepControl
 from viscorod.solve.transient.transient_result import StepCounts, TransientResult
 
-MOST_NOTES = 20
-
 AT_ONCE = 32
 """States within one step that are in memory at once."""
 
@@ -69,7 +67,6 @@ class Transient:
         self.control = control
         self.account = EnergyAccount()
         self.effort = StepCounts()
-        self.notes: list[str] = []
         self.watch = EventWatch([])
         self.result = TransientResult()
         self.duration = math.inf
@@ -111,7 +108,7 @@ class Transient:
         self.output_interval, self.duration = output_interval, duration
         self._progress, self._after_step, self._notes = progress, after_step, notes
         self._patient = patient
-        self.result = result = TransientResult(history or History(), effort=self.effort, notes=self.notes)
+        self.result = result = TransientResult(history or History(), effort=self.effort)
         try:
             self._integrate(state, checkpoint)
         except KeyboardInterrupt as asked:
@@ -194,8 +191,10 @@ class Transient:
         result.report = report
         if not control.accepts(report, end - t):
             effort.rejected += 1
-            if not report.converged and control.notes_failures and len(result.notes) < MOST_NOTES:
-                result.notes.append(f"t = {t:.6g} s: a step of {end - t:.3g} s failed and was shortened")
+            if not report.converged and control.notes_failures:
+                effort.first_failed_at = effort.first_failed_at if effort.failed else t
+                effort.failed += 1
+                effort.shortest_failed = min(effort.shortest_failed, end - t)
             if control.exhausted:
                 result.outcome, result.failed_at = report.outcome, end
                 if report.converged:
@@ -310,14 +309,13 @@ class Transient:
         """Return the state from which another run of the same model can go on."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         trials = None if self.halved is None else saved(self.halved.trials)
-        return {"parts": [saved(part) for part in parts], "notes": list(self.notes), "trials": trials}
+        return {"parts": [saved(part) for part in parts], "trials": trials}
 
     def resume(self, checkpoint: SavedTree) -> None:
         """Put back what :meth:`saved` returned."""
         parts = (self.integrator, self.control, self.account, self.effort, self.watch)
         for part, tree in zip(parts, checkpoint["parts"], strict=True):
             restore(part, tree)
-        self.notes[:] = checkpoint["notes"]
         if self.halved is not None:
             restore(self.halved.trials, checkpoint.get("trials"))
         self.integrator.resume()
