@@ -53,7 +53,15 @@ def script(monkeypatch: pytest.MonkeyPatch):
 
 
 def test_every_script_is_tried() -> None:
-    others = {"derivatives", "identification", "large_models", "measured", "startup", "work_precision"}
+    others = {
+        "decays",
+        "derivatives",
+        "identification",
+        "large_models",
+        "measured",
+        "startup",
+        "work_precision",
+    }
     assert set(SCRIPTS) == set(SMALL) | others
 
 
@@ -83,10 +91,18 @@ def test_a_script_prints_its_table(name, script, monkeypatch, capsys) -> None:
 
 def test_derivatives_of_a_random_model_are_those_of_differences(script, capsys) -> None:
     module = script("derivatives")
-    module.accuracy(1)
+    module.accuracy(0, 1)
     lines = capsys.readouterr().out.splitlines()
     assert [line.split(":")[0] for line in lines[-5:-1]] == list(module.FLOOR)
     assert all(": 1 of 1 within" in line for line in lines[-5:-1])
+
+
+def test_intervals_of_a_few_decays_are_as_wide_as_the_bound(script, capsys) -> None:
+    """Cramer and Rao's bound is what least squares reaches in white noise."""
+    script("decays").run("short", 1, 0.0, 3)
+    printed = capsys.readouterr().out
+    widths = printed.split("width over bound")[1].split(",")
+    assert [float(width) for width in widths] == pytest.approx([1.0, 1.0], abs=0.3)
 
 
 def test_intervals_of_a_few_data_sets_are_as_wide_as_the_bound(script, capsys) -> None:
