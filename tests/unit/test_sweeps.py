@@ -264,8 +264,9 @@ def test_interruption_keeps_what_there_is(case, workers):
 @pytest.mark.skipif(not process_start.COPIED, reason="processes start by themselves there")
 def test_ctrl_c_is_nothing_to_processes_that_load():
     """A terminal sends it to all; the client alone answers, and the process that workers are copies of ends with it."""
-    code = (
-        "import time; from viscorod.analyses.sweeps.process_start import prepare; prepare();"
+    code = (  # where tests run in the background Ctrl-C is ignored, which processes inherit
+        "import signal, time; signal.signal(signal.SIGINT, signal.default_int_handler);"
+        "from viscorod.analyses.sweeps.process_start import prepare; prepare();"
         "print('begun', flush=True); time.sleep(60)"
     )
     client = subprocess.Popen(
