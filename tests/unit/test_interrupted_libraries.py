@@ -39,3 +39,10 @@ def test_a_quantity_does_not_fail_of_it():
 def test_other_errors_are_no_interrupts():
     assert not came_of_interrupt(SystemError())
     assert not came_of_interrupt(ValueError("a" * 10))
+
+
+def test_a_function_of_time_does_not_fail_of_it():
+    model = swing()
+    model.force("beam.end", (0, 0, 1e-3), time=as_compiled_code_tells)
+    with pytest.raises(KeyboardInterrupt):
+        model.simulate(0.1)

@@ -8,6 +8,7 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
+from viscorod.errors import let_interrupts_through
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.fields.definition import RefusedError, base_init, show
 from viscorod.model.fields.metadata import accepts, optional
@@ -101,7 +102,8 @@ class FunctionOfTime(TimeFunction):
             result = function(at)
         except RefusedError:
             raise
-        except Exception as error:
+        except Exception as error:  # of any kind: it is the user's
+            let_interrupts_through(error)
             raise RefusedError(
                 f"the function of time failed at t = {t:.9g} s: {type(error).__name__}: {error}",
                 "make it return a finite number at all times",

@@ -226,10 +226,10 @@ def _units(lines: list[str], start: int, block: Block) -> None:
             continue
         if not (_is_units(cells) or any(cell.startswith(("[", "(")) for cell in cells) or _words_only(cells)):
             continue
-        for at, known in block.columns.items():
-            cell = cells[at].strip() if at < len(cells) else ""
+        for at, column in block.columns.items():
+            cell, known = cells[at].strip() if at < len(cells) else "", column
             if known.kind == "tan_delta" and unit_of(cell, "ratio") is None and unit_of(cell, "angle"):
-                known = block.columns[at] = replace(known, kind="phase")  # noqa: PLW2901
+                known = block.columns[at] = replace(column, kind="phase")
             if cell.strip("[]()") and unit_of(cell, MEASURE[known.kind]) is None and known.kind in NOUNS:
                 refuse_unit(known, cell)
             if (

@@ -40,7 +40,7 @@ class StageSolver:
         problem: the model; tableau: the method; body: the model for kernels; scales: of its unknowns ``(6 N,)``.
 
     Attributes:
-        iterations: so far; solutions: so far.
+        iterations: so far.
     """
 
     def __init__(self, problem: Problem, tableau: Tableau, body: Discretisation, scales: Floats) -> None:
@@ -56,7 +56,7 @@ class StageSolver:
             for k in range(len(self._mus))
         ]
         self._units = np.where(np.arange(6) < 3, 1.0 / problem.length, 1.0)
-        self.iterations = self.solutions = 0
+        self.iterations = 0
 
     def factorise(
         self,
@@ -130,7 +130,6 @@ class StageSolver:
 
     def _iterate(self, apply: Callable[[Floats], Floats], right: Floats) -> Floats:
         """Return the solution of a system near to the identity, by GMRES."""
-        self.solutions += 1
         size = float(np.linalg.norm(right))
         if size == 0.0:
             return right
