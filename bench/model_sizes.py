@@ -55,7 +55,7 @@ def measure(rods: int, elements: int) -> tuple[float, float, float]:
         system, supports = GeometricSystem(problem), SupportState(problem)
         state = State.reference(problem)
         integrator = Radau(system, supports, tolerance=1e-4)
-        run = Transient(problem, integrator, FixedSteps(2e-3), system.describe_node)
+        run = Transient(problem, integrator, FixedSteps(2e-3))
         begin = time.perf_counter()
         result = run.run(state, 2e-3 * STEPS, output_interval=2e-3 * STEPS)
         best = min(best, time.perf_counter() - begin)

@@ -67,7 +67,7 @@ class March:
         self.integrator = method.make(system, supports, **given)
         self.integrator.iterations = 50  # partly held nodes that turn converge slowly to round-off
         control = FixedSteps(step)
-        self.result = Transient(problem, self.integrator, control, system.describe_node).run(
+        self.result = Transient(problem, self.integrator, control).run(
             state, duration, output_interval=interval
         )
         assert self.result.outcome is Outcome.COMPLETED

@@ -291,7 +291,7 @@ def test_whirling_rod_keeps_whirling(formulation):
     integrator, control, _ = stepping(
         work, settings, None, make
     )  # a given tolerance asks for no small motions
-    run = Transient(work.problem, integrator, control, work.system.describe_node).run(
+    run = Transient(work.problem, integrator, control).run(
         found.state.copy(), duration, output_interval=None, progress=None
     )
     last = run.history.snapshots[-1]

@@ -133,7 +133,7 @@ def transient(model, duration):
     system = GeometricSystem(problem)
     integrator = Radau(system, SupportState(problem), tolerance=1e-4)
     control = ErrorControl(integrator.estimate_order, duration / 10, duration)
-    return Transient(problem, integrator, control, system.describe_node), State.reference(problem)
+    return Transient(problem, integrator, control), State.reference(problem)
 
 
 def test_a_run_goes_on_from_a_step_that_was_taken_with_others(taken, monkeypatch):

@@ -8,8 +8,8 @@ from helpers.pictures import written
 from helpers.plain_text import flat
 from viscorod.pictures.plots.plot_motion import draw_motion
 from viscorod.pictures.plots.plot_shape import draw_shape
-from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.problem.node_names import describe_node
 
 STIFFNESS, DAMPING = 20.0, 0.5
 SHAPE = {"section": vr.Rectangle(0.03, 0.03), "elements": 2, "order": 3}
@@ -209,10 +209,9 @@ def test_names_of_unnamed_springs_are_unique():
 
 def test_places_of_messages():
     problem = discretise(arm())
-    system = GeometricSystem(problem)
-    assert system.describe_node(int(problem.bodies.nodes[0])) == "body 'plate'"
-    assert system.describe_node(int(problem.stations.nodes[0])) == "rod 'a', element 1, s = 0 m"
-    rows = [system.describe_node(problem.size + row) for row in range(problem.multipliers)]
+    assert describe_node(problem, int(problem.bodies.nodes[0])) == "body 'plate'"
+    assert describe_node(problem, int(problem.stations.nodes[0])) == "rod 'a', element 1, s = 0 m"
+    rows = [describe_node(problem, problem.size + row) for row in range(problem.multipliers)]
     assert rows[:2] == ["joint 'elbow'", "joint 'shoulder'"]
     assert rows[2:] == sorted(rows[2:])
     assert set(rows[2:]) == {f"held strains of rod 'b', element {k}" for k in (1, 2)}

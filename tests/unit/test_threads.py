@@ -31,7 +31,7 @@ def _history(acceleration: float) -> tuple[np.ndarray, ...]:
     system = GeometricSystem(problem)
     integrator = Radau(system, SupportState(problem), tolerance=1e-4)
     control = ErrorControl(integrator.estimate_order, DURATION / 10, DURATION)
-    run = Transient(problem, integrator, control, system.describe_node)
+    run = Transient(problem, integrator, control)
     history = run.run(State.reference(problem), DURATION, output_interval=DURATION / 40).history
     return (
         np.array(history.instant),

@@ -67,7 +67,7 @@ class CoSimulation:
             partial(small_vibrations, discrete, settings, state),
             integrator_makers(discrete, settings, state)[0],
         )
-        self._transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node)
+        self._transient = Transient(discrete.problem, integrator, control)
         self._reader = StationReader(discrete.problem)
         self._places: dict[str, ResultPlace] = {}
         self._changed = False

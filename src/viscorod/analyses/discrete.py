@@ -37,6 +37,7 @@ from viscorod.solve.history import History
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.external_loads import LoadState
+from viscorod.solve.problem.node_names import describe_node
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.analysis import AnySettings
@@ -288,7 +289,7 @@ class DiscreteModel:
     def where(self, report: NewtonReport | StepReport) -> str:
         """Say in a sentence where a solution failed."""
         return (
-            f" Largest imbalance {report.residual:.3g} N at {self.system.describe_node(report.node)}, "
+            f" Largest imbalance {report.residual:.3g} N at {describe_node(self.problem, report.node)}, "
             f"after {report.iterations} iterations."
         )
 

@@ -125,7 +125,7 @@ def _motion(
         discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0]
     )
     halved = _halved_steps(discrete, settings, lambda: StartModes.of(linear(), relaxing()), chosen, makers[1])
-    transient = Transient(discrete.problem, integrator, control, discrete.system.describe_node, halved)
+    transient = Transient(discrete.problem, integrator, control, halved)
     began = time.perf_counter()
 
     written = stream if isinstance(stream, JournalStream) else None

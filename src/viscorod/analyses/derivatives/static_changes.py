@@ -15,6 +15,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import SolveError
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
+from viscorod.solve.problem.node_names import describe_node
 from viscorod.solve.statics.newton import NewtonReport, SingularMatrixError
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
@@ -63,7 +64,7 @@ class StaticChange:
         except SingularMatrixError as error:
             raise SolveError(
                 f"The equilibrium has no derivatives: the tangent stiffness is singular at "
-                f"{system.describe_node(error.row // 6)}"
+                f"{describe_node(system.problem, error.row // 6)}"
             ) from None
         self.system = system
 

@@ -433,30 +433,3 @@ class GeometricSystem:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         del stages
         return GeometricForces(self, elements)
-
-    def describe_node(self, node: int) -> str:
-        """See :class:`~viscorod.solve.formulations.system.System`."""
-        problem = self.problem
-        if node >= problem.size:
-            return self._constraint(node - problem.size)
-        stations, bodies = problem.stations, problem.bodies
-        if node in bodies.nodes:
-            return f"body '{bodies.names[int(np.argmax(bodies.nodes == node))]}'"
-        at = int(np.argmax(stations.nodes == node))
-        rod, s = int(stations.rod[at]), float(stations.s[at])
-        starts = np.sort(np.concatenate([e.start[e.rod == rod] for e in problem.sets]))
-        element = int(np.searchsorted(starts, s, side="right"))
-        return f"rod '{problem.rods[rod]}', element {element}, s = {s:.6g} m"
-
-    def _constraint(self, row: int) -> str:
-        """Describe a block row of multipliers."""
-        problem = self.problem
-        joint = np.flatnonzero(problem.joints.row == row)
-        if len(joint):
-            return f"joint '{problem.joints.names[joint[0]]}'"
-        element = int(problem.held.element[np.argmax(problem.held.place // 6 == row)])
-        rods = np.concatenate([e.rod for e in problem.sets])
-        starts = np.concatenate([e.start for e in problem.sets])
-        rod = rods[element]
-        number = 1 + np.count_nonzero(starts[rods == rod] < starts[element])
-        return f"held strains of rod '{problem.rods[rod]}', element {number}"

@@ -176,6 +176,3 @@ class System(Protocol):
 
     def gauss_positions(self) -> GaussPositions:
         """Return where the Gauss points are, in the same order."""
-
-    def describe_node(self, node: int) -> str:
-        """Describe a block row for messages: rod, element and arc length, body, joint, or rod with held strains."""

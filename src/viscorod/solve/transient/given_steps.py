@@ -67,7 +67,7 @@ class Retraced(Transient):
     def __init__(
         self, problem: Problem, integrator: Integrator, ends: Sequence[float] | Floats, times: Floats
     ) -> None:
-        super().__init__(problem, integrator, GivenSteps(ends), str)
+        super().__init__(problem, integrator, GivenSteps(ends))
         self._times = times
 
     def open(self, state: State, duration: float) -> None:

@@ -12,6 +12,7 @@ from viscorod.errors import InputError
 from viscorod.solve.energy_account import EnergiesWithin, EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Records, Snapshot
+from viscorod.solve.problem.node_names import describe_node
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome, interruption
 from viscorod.solve.transient.corners import corners_of
@@ -49,7 +50,7 @@ class Transient:
 
     Args:
         problem: for the corners of its loads; integrator, control: what steps, and how far.
-        place: describes a node in words; halved: tells what steps err by.
+        halved: tells what steps err by.
     """
 
     def __init__(
@@ -57,12 +58,10 @@ class Transient:
         problem: Problem,
         integrator: Integrator,
         control: StepControl,
-        place: Callable[[int], str],
         halved: HalvedSteps | None = None,
     ) -> None:
         self.problem = problem
         self.halved = halved
-        self.place = place
         self.integrator = integrator
         self.control = control
         self.account = EnergyAccount()
@@ -333,7 +332,8 @@ class Transient:
     def _limit_in_words(self, limit: str, report: StepReport) -> str:
         """Say what limited an accepted step."""
         if limit in ("the error", "convergence of Newton's method"):
-            return f"{limit}{' of' if limit == 'the error' else ' for'} {report.motion} at {self.place(report.node)}"
+            joined = "of" if limit == "the error" else "for"
+            return f"{limit} {joined} {report.motion} at {describe_node(self.problem, report.node)}"
         return limit
 
     def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
