@@ -14,8 +14,8 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.problem.division import divisions_of
+from viscorod.solve.refinement.finer_divisions import MOST_CHOSEN_NODES
 from viscorod.solve.refinement.followed_errors import FinerModes, critical_errors
-from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.tracking.engine_orders import Critical
 from viscorod.solve.tracking.meetings import Meeting

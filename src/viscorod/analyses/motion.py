@@ -40,7 +40,7 @@ from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.reduced.reduced_motion import ReducedMotion
-from viscorod.solve.refinement.mesh_watch import MeshWatch
+from viscorod.solve.refinement.noted_states import NotedStates
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
@@ -132,7 +132,10 @@ def _motion(
     begun = None if written is None else written.checkpoint
 
     def resumable() -> dict[str, Any]:
-        return {"motion": transient.saved(), "watch": saved(discrete.watch.notes())}
+        return {
+            "motion": transient.saved(),
+            "watch": saved(discrete.watch.noted.saved() if discrete.watch.feasible else {}),
+        }
 
     ends: list[float] = []
 
@@ -147,8 +150,8 @@ def _motion(
             written.after_step(resumable)
         return "" if options.stop is None else options.stop()
 
-    if begun is not None:
-        discrete.watch.take_over(restore({}, begun["watch"]))
+    if begun is not None and begun["watch"]:
+        discrete.watch.noted.take_over(restore({}, begun["watch"]))
     result = transient.run(
         state,
         settings.duration,
@@ -158,7 +161,7 @@ def _motion(
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
         patient=options.stop is None or getattr(options.stop, "patient", False),
-        notes=_Noted(discrete.watch, stream),
+        notes=_Noted(discrete.watch.noted, stream),
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
     interrupted = result.outcome is Outcome.INTERRUPTED
@@ -210,18 +213,18 @@ def _motion(
 
 
 class _Noted:
-    """Lets the mesh watch note states of a motion."""
+    """Notes states of a motion for the mesh watch."""
 
-    def __init__(self, watch: MeshWatch, stream: Stream) -> None:
-        self.watch, self.stream = watch, stream
+    def __init__(self, noted: NotedStates, stream: Stream) -> None:
+        self.noted, self.stream = noted, stream
 
     def coming(self, steps: int) -> list[int]:
         """See ``transient_solver.Notes``."""
-        return self.watch.coming(steps)
+        return self.noted.coming(steps)
 
     def passed(self, steps: int, t: float, state: Callable[[], Snapshot]) -> None:
         """See ``transient_solver.Notes``."""
-        self.watch.note(self.stream.start, t, state, steps)
+        self.noted.note(self.stream.start, t, state, steps)
 
 
 def _tell(attrs: dict[str, Any], doubt: str) -> None:

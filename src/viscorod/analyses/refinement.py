@@ -27,7 +27,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.modes.vibrations import linearise, natural_frequencies
 from viscorod.solve.problem.division import Division, Divisions, divisions_of
-from viscorod.solve.refinement.mesh_watch import MOST_CHOSEN_NODES
+from viscorod.solve.refinement.finer_divisions import MOST_CHOSEN_NODES
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.modes import ModesSettings

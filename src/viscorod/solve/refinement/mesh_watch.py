@@ -3,24 +3,24 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
 import numpy as np
 
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.rod import DEFAULT_ORDER
 from viscorod.solve.formulations.system import System
 from viscorod.solve.history import History, Snapshot
-from viscorod.solve.problem.division import Division, Divisions, divisions_of
+from viscorod.solve.problem.division import Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.correction import Balance, corrected, held_back
+from viscorod.solve.refinement.finer_divisions import MOST_CHOSEN_NODES, FinerDivisions, free_rods
 from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
 from viscorod.solve.refinement.half_elements import read
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
 from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
+from viscorod.solve.refinement.noted_states import NotedStates
 from viscorod.solve.refinement.phase_drift import AtRest, PhaseDrift
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -31,16 +31,10 @@ __all__ = ["MeshWatch"]
 
 MOST_NODES = 20_000
 """Nodes of a problem beyond which no finer mesh is made."""
-MOST_CHOSEN_NODES = 4_000
-"""Nodes beyond which the program refines no mesh that it chose."""
-SHARE = 0.5
-"""Part of the accuracy beyond which an element is too large."""
 ANCHOR = 0.01
 """Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
 INSTANTS = 6
-"""Points of a path, about evenly chosen, and states of a motion that are looked at."""
-GROWTH, NEAR = 1.5, 0.85
-"""Recorded states from one of these to the next, in parts; nearer than this part to the next the last one is that."""
+"""Points of a path, about evenly chosen, that are looked at."""
 
 
 class MeshWatch:
@@ -53,7 +47,7 @@ class MeshWatch:
     Attributes:
         estimate: the largest errors of all solutions seen, None before the first.
         found, lost: how many solutions had a counterpart on a finer mesh, and how many had none.
-        noted: states that a motion passed, with their times [s]; start: the one at t = 0.
+        noted: states that a motion passed.
     """
 
     def __init__(
@@ -63,9 +57,7 @@ class MeshWatch:
         self.wanted = wanted or bool(self.free)
         self.estimate: MeshEstimate | None = None
         self.found = self.lost = 0
-        self.noted: list[tuple[float, Snapshot]] = []
-        self.start: Snapshot | None = None
-        self._count, self._next = 0, 1
+        self.noted = NotedStates()
         self._at_rest: AtRest | None = None
 
     @cached_property
@@ -110,41 +102,6 @@ class MeshWatch:
             beside = (near for near in (k, k - 1, k + 1) if 0 < near <= last)
             self._count_in(any(estimated(near) for near in beside))
 
-    def coming(self, steps: int) -> list[int]:
-        """Return after which of the next ``steps`` of a motion, counted from 1, :meth:`note` keeps the state."""
-        found, at = [], self._next
-        while at <= self._count + steps:
-            found.append(at - self._count)
-            at = int(GROWTH * at) + 1
-        return found
-
-    def note(self, start: Snapshot | None, t: float, state: Callable[[], Snapshot], steps: int = 1) -> None:
-        """Keep the ends of some steps of a motion for :meth:`see_motion`: the first, the last, early ones more closely.
-
-        Errors of a motion that fades are largest early, those of one that lasts in the end. States between the ends of
-        steps would not do: polynomials in time do not balance.
-
-        Args:
-            start: the state at t = 0, None if it is known; t: end of a step [s]; state: returns the one there.
-            steps: since the last call, the last of which ends here.
-        """
-        if start is not None:
-            self.start = start
-        self._count += steps
-        if self._count >= self._next:
-            self.noted = [*self.noted[1 - INSTANTS :], (t, state())]
-            self._next = int(GROWTH * self._count) + 1
-
-    def notes(self) -> dict[str, Any]:
-        """Return what was noted, for another run of the same problem that goes on from there."""
-        if not self.feasible:
-            return {}
-        return {"noted": self.noted, "start": self.start, "_count": self._count, "_next": self._next}
-
-    def take_over(self, notes: dict[str, Any]) -> None:
-        """Go on with what another run noted."""
-        vars(self).update(notes)
-
     def phases(
         self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
     ) -> PhaseDrift:
@@ -170,21 +127,23 @@ class MeshWatch:
         """
         if not self.feasible:
             return
-        noted = self._chosen(last)
+        noted = self.noted.with_last(last)
         times = [t for t, _ in noted]
         rates = self._compare_moving(noted, before=True, anchor=(np.pi / last[0]) ** 2)
-        if self.start is not None:
-            drift = self.phases(static, self.start, scale, modes)
-            self._drift(drift, times, rates, drift.kicked(self.start.state.twist, self._begins()))
+        start = self.noted.start
+        if start is not None:
+            drift = self.phases(static, start, scale, modes)
+            self._drift(drift, times, rates, drift.kicked(start.state.twist, self._begins(start)))
 
     def see_linear_motion(
         self, last: tuple[float, Snapshot], static: StaticSolver, scale: float, modes: StartModes
     ) -> None:
         """Estimate the errors of the noted states of a linear motion; see :meth:`see_motion`."""
-        if not self.feasible or self.start is None:
+        first = self.noted.start
+        if not self.feasible or first is None:
             return
-        start, finer = self.start.state, self.finer
-        drift = self.phases(static, self.start, scale, modes)
+        start, finer = first.state, self.finer
+        drift = self.phases(static, first, scale, modes)
         rest = drift.finer.state
         if rest is None or self.problem.relaxing:
             self._count_in(False)
@@ -194,7 +153,7 @@ class MeshWatch:
             coarse, LinearModel(finer.system, finer.supports, 0.0, rest), self._moving
         )
         rates, seen, shape = [], [], start.twist.shape
-        noted = self._chosen(last)
+        noted = self.noted.with_last(last)
         for t, snapshot in noted:
             now = counterpart.state(snapshot, t, before=True)
             rates.append(now.acceleration.reshape(shape))
@@ -208,7 +167,7 @@ class MeshWatch:
             self._count_in(True)
         shapes = [_shape(snapshot) for _, snapshot in noted]
         self._take_in(finer.carried(shapes), seen)
-        begun = counterpart.state(self.start, 0.0, before=False)
+        begun = counterpart.state(first, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
         self._drift(drift, [t for t, _ in noted], rates, kick)
 
@@ -220,17 +179,10 @@ class MeshWatch:
                 drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
             )
 
-    def _chosen(self, last: tuple[float, Snapshot]) -> list[tuple[float, Snapshot]]:
-        """Return the noted states that are looked at, with the last one."""
-        if self.noted and last[0] <= self.noted[-1][0]:
-            return self.noted
-        return [*self.noted[: None if self._count > NEAR * self._next else -1], last]
-
-    def _begins(self) -> Floats:
+    def _begins(self, start: Snapshot) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
-        assert self.start is not None
-        stress = self._moving.other_stress(self.start.state, self.start.section_force, 0.0, before=False)
-        return self._moving.rate(self.start.state, stress, _angles(self.start), 0.0, before=False)
+        stress = self._moving.other_stress(start.state, start.section_force, 0.0, before=False)
+        return self._moving.rate(start.state, stress, _angles(start), 0.0, before=False)
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
@@ -325,13 +277,7 @@ class MeshWatch:
     @property
     def free(self) -> list[str]:
         """The rods whose mesh the program may choose."""
-        return [name for name, rod in self.model.rods.items() if rod.elements is None]
-
-    def too_coarse(self, accuracy: float, forces: float | None = None) -> bool:
-        """Whether an error is larger than wanted, of ``forces`` by default too, or could not be estimated."""
-        if self.estimate is None or self.unknown:
-            return self.unknown
-        return self.estimate.mendable > accuracy or self.estimate.force > (forces or accuracy)
+        return free_rods(self.model)
 
     def refined(
         self, accuracy: float, forces: float | None = None, *, most: int = MOST_CHOSEN_NODES
@@ -345,29 +291,10 @@ class MeshWatch:
         Returns:
             None if there is nothing to refine, or the mesh would become too large.
         """
-        divisions, free = divisions_of(self.problem), self.free
-        if not free or not self.too_coarse(accuracy, forces):
+        seen = None if self.unknown else self.estimate
+        if self.estimate is None and not self.unknown:
             return None
-        marked = {name: self._marked(name, divisions[name], accuracy, forces or accuracy) for name in free}
-        if not any(mask.any() for mask in marked.values()):
-            marked = {name: np.ones(divisions[name].count, dtype=bool) for name in free}
-        refined = {name: self._finer(name, divisions[name], mask) for name, mask in marked.items()}
-        found = divisions | refined
-        if sum(division.order * division.count for division in found.values()) > most:
-            return None
-        return found
-
-    def _marked(self, name: str, division: Division, accuracy: float, forces: float) -> np.ndarray:
-        """Return which elements are too large: all, where no solution on a finer mesh was found."""
-        if self.estimate is None or self.unknown:
-            return np.ones(division.count, dtype=bool)
-        errors = self.estimate.of_elements(name)
-        too_large = np.zeros(division.count, dtype=bool)
-        if self.estimate.mendable > accuracy:
-            too_large |= errors[:, 0] > SHARE * accuracy
-        if self.estimate.force > forces:
-            too_large |= errors[:, 1] > SHARE * forces
-        return too_large
+        return FinerDivisions(self.model, self.problem, accuracy, forces or accuracy).of(seen, most)
 
     def halved(self) -> Divisions | None:
         """Return the divisions with all elements of these rods halved; None if there are none, or too many."""
@@ -375,13 +302,6 @@ class MeshWatch:
             return None
         divisions = divisions_of(self.problem)
         return divisions | {name: divisions[name].halved() for name in self.free}
-
-    def _finer(self, name: str, division: Division, marked: np.ndarray) -> Division:
-        """Return a division whose marked elements are halved; many small ones of low order get a higher one instead."""
-        rod = self.model.rods[name]
-        if rod.order is None and division.order < DEFAULT_ORDER and marked.mean() > SHARE:
-            return Division(division.order + 1, division.ends)
-        return division.halved(marked)
 
 
 def _shape(snapshot: Snapshot) -> Shape:
