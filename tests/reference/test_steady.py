@@ -276,7 +276,7 @@ def test_whirling_rod_is_all_but_stable():
 def test_whirling_rod_keeps_whirling(formulation):
     """Solvers against each other: a transient that starts from the steady rotation keeps its strains for 3 turns."""
     from viscorod.analyses.discrete import DiscreteModel
-    from viscorod.analyses.motion import integrator_makers, stepping
+    from viscorod.analyses.motion_stepping import integrator_makers, stepping
     from viscorod.solve.settings.motion import SimulateSettings
     from viscorod.solve.settings.steady import SteadySettings
     from viscorod.solve.steady.rotation_search import Search

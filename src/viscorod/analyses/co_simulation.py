@@ -11,13 +11,9 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion import (
-    described,
-    initial_state,
-    integrator_makers,
-    small_vibrations,
-    stepping,
-)
+from viscorod.analyses.motion_attributes import described
+from viscorod.analyses.motion_start import initial_state, small_vibrations
+from viscorod.analyses.motion_stepping import integrator_makers, stepping
 from viscorod.analyses.provenance import provenance
 from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError

@@ -1,0 +1,109 @@
+"""What the result of a motion says of how it was computed, and what is doubtful about it."""
+
+from __future__ import annotations
+
+import json
+from typing import Any
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.modal_reduction import told_of_modes
+from viscorod.analyses.motion_stepping import integrates_strains
+from viscorod.errors import warn
+from viscorod.model.actions.time_table import TimeTable
+from viscorod.solve.problem.discretise import MANY_ROWS
+from viscorod.solve.problem.problem import Problem
+from viscorod.solve.reduced.reduced_motion import ReducedMotion
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.amplitude import PART_OF_MOTION
+from viscorod.solve.transient.motion_scale import PartOfMotion
+from viscorod.solve.transient.pose_check import pose_gap
+from viscorod.solve.transient.transient_solver import Transient
+
+__all__ = ["blows", "described", "failure", "keep", "tell"]
+
+
+def described(
+    discrete: DiscreteModel,
+    transient: Transient,
+    settings: SimulateSettings,
+    outcome: Outcome,
+) -> dict[str, Any]:
+    """Return the attributes of a result about how its motion was computed."""
+    effort = transient.effort
+    found: dict[str, Any] = {
+        "outcome": outcome.name.lower(),
+        "integrator": settings.integrator,
+        "formulation": settings.formulation,
+        "damping": settings.damping,
+        "dynamics": settings.dynamics,
+        "steps": effort.steps,
+        "iterations": effort.iterations,
+        "evaluations": effort.evaluations,
+        "factorisations": effort.factorisations,
+        "jacobians": effort.jacobians,
+        "rejected": effort.rejected,
+        "smallest_step": effort.smallest_step,
+        "smallest_step_at": effort.smallest_at,
+        "smallest_step_why": effort.smallest_why,
+        "warnings": json.dumps([*json.loads(discrete.attributes.get("doubts", "[]")), *effort.notes]),
+    }
+    tolerance = getattr(transient.integrator, "tolerance", None)
+    if tolerance is not None:
+        found["tolerance"] = tolerance if isinstance(tolerance, float) else tolerance.value
+        if isinstance(tolerance, PartOfMotion):
+            found["part_of_motion"] = PART_OF_MOTION
+    if settings.events:
+        watch = transient.watch
+        events = [{"time": t, "event": label} for t, label in zip(watch.times, watch.labels, strict=True)]
+        found |= {"events": json.dumps(events), "ended_by": watch.ended_by}
+    if discrete.system.constraints.rows:
+        found["drift_position"], found["drift_velocity"] = transient.integrator.drift
+    if isinstance(transient.integrator, ReducedMotion):
+        found |= told_of_modes(settings, transient.integrator)
+    elif settings.dynamics == "nonlinear":
+        found["linear_solver"] = discrete.problem.plan.description
+    if integrates_strains(settings):
+        found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
+    return found
+
+
+def failure(discrete: DiscreteModel, transient: Transient) -> str:
+    """Say why a motion ended before its time, and what to try; empty if it did not."""
+    result = transient.result
+    if result.outcome is Outcome.INTERRUPTED:
+        return f"Stopped at t = {transient.integrator.t:.6g} s: {result.reason}"
+    if result.outcome is not Outcome.COMPLETED:
+        assert result.report is not None
+        return (
+            f"The motion could not be followed beyond t = {transient.integrator.t:.6g} s "
+            f"(a step to {result.failed_at:.6g} s failed): {result.outcome.value}.{discrete.where(result.report)} "
+            f"What to try: {result.outcome.advice(static=False)}."
+        )
+    return ""
+
+
+def tell(attrs: dict[str, Any], doubt: str) -> None:
+    """Keep a doubt among the warnings of a result, and show it."""
+    if doubt:
+        keep(attrs, doubt)
+        warn(doubt)
+
+
+def keep(attrs: dict[str, Any], doubt: str) -> None:
+    """Keep a doubt, which has been shown, among the warnings of a result."""
+    if doubt:
+        attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
+
+
+def blows(problem: Problem) -> str:
+    """Return a warning if a support or motor moves along straight lines between many rows, else nothing."""
+    places = {id(motion): problem.supports.names[k] for k, _, motion in problem.supports.motions}
+    motions = [motion for _, _, motion in problem.supports.motions] + [m for _, m in problem.joints.motions]
+    for motion in motions:
+        if isinstance(motion, TimeTable) and motion.straight and len(motion.knots) >= MANY_ROWS:
+            return (
+                f"the motion of {places.get(id(motion), 'a joint')} is a table of {len(motion.knots)} rows joined by "
+                "straight lines: its velocity jumps at every row, each a blow; give interpolation = 'cubic'"
+            )
+    return ""

@@ -1,0 +1,123 @@
+"""Where motions start, and small motions about that."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.analyses.start_state import StartState
+from viscorod.analyses.start_velocities import blow_at_start
+from viscorod.errors import InputError, warn
+from viscorod.mechanics.compilation.compiled import announce_formulation
+from viscorod.mechanics.elements import intrinsic_element as intrinsic
+from viscorod.mechanics.elements.maxwell_branches import remember
+from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.relaxing import Relaxing, vibrating
+from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.settings.motion import SimulateSettings
+
+__all__ = ["held_part", "initial_state", "small_motions", "small_vibrations"]
+
+REACHED = 1e-6
+"""Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
+
+
+def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[State, str]:
+    """Return the state that a motion starts from, and what it is in words."""
+    state, text = State.reference(discrete.problem), "the reference shape"
+    if settings.start is not None:
+        found = StartState(discrete, settings.start)
+        state, text = found.state, found.label
+        _note(discrete, found.notes)
+        _require_reached(discrete, state)
+    elif discrete.problem.initial_strain:
+        discrete.system.given_strain = strain_rods(discrete.system, state)
+        text = "the initial strains"
+    elif settings.initial == "equilibrium":
+        search = find_initial_equilibrium(discrete, state)
+        text = "the equilibrium" if search is None else f"the equilibrium, found by {search.found_by}"
+    else:
+        _require_closed(discrete)
+    given = discrete.problem.initial_twist(state.r, state.q)
+    if settings.start is None:
+        state.twist[:] = given
+        if given.any():
+            _note(discrete, blow_at_start(discrete.system, discrete.supports, state), show=True)
+    elif given.any():
+        raise InputError(
+            "velocities: the motion starts with the velocities of an earlier result; leave the initial velocities out, "
+            "or start"
+        )
+    if settings.formulation == "intrinsic":
+        announce_formulation(intrinsic.forces_at)
+    if discrete.problem.relaxing and settings.dynamics == "nonlinear":
+        announce_formulation(remember)
+    return state, text
+
+
+def _note(discrete: DiscreteModel, doubts: Sequence[str], *, show: bool = False) -> None:
+    """Keep doubts about a start for the result, and ``show`` them: once, also if a finer mesh begins anew."""
+    told = json.loads(discrete.attributes.get("doubts", "[]"))
+    new = [doubt for doubt in doubts if doubt not in told]
+    for doubt in new if show else ():
+        warn(doubt)
+    discrete.attributes["doubts"] = json.dumps([*told, *new])
+
+
+def _require_reached(discrete: DiscreteModel, state: State) -> None:
+    """Refuse a start in which supports or motors are not where their motions begin."""
+    supports, constraints, length = discrete.supports, discrete.system.constraints, discrete.problem.length
+    supports.update(0.0)
+    constraints.update(0.0)
+    gaps = np.abs(supports.set.fixed * (supports.measured(state) - supports.target))
+    gaps[supports.set.in_body] = 0.0
+    apart = {
+        name: float(max(gap[:3].max() / length, gap[3:].max()))
+        for name, gap in zip(supports.set.names, gaps, strict=True)
+    }
+    value, _, _ = constraints.measure(state)
+    for c in np.flatnonzero(constraints.is_held):
+        apart[constraints.joints.label(int(c))] = float(
+            abs(value[c] - constraints.target[c]) / constraints.joints.unit[c]
+        )
+    wrong = [name for name, gap in apart.items() if gap > REACHED]
+    if wrong:
+        raise InputError(
+            f"start: {', '.join(wrong[:6])} {'is' if len(wrong) == 1 else 'are'} elsewhere in the earlier result than "
+            "this model prescribes at t = 0; let its motions begin at what they are there, or find the equilibrium "
+            "from there first (equilibrium with start)"
+        )
+
+
+def _require_closed(discrete: DiscreteModel) -> None:
+    """Refuse to start from a reference shape in which joints are open."""
+    constraints = discrete.system.constraints
+    constraints.update(0.0)
+    gaps = constraints.open_joints(driven=constraints.driven)
+    if gaps:
+        raise InputError(
+            f"initial = 'reference': joints are open in the reference shape: {', '.join(gaps)}. "
+            "Start from the equilibrium (initial = 'equilibrium'), which closes them, move the parts so that they "
+            "meet, or let motors begin at 0"
+        )
+
+
+def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
+    """Return small motions about the state that a motion starts from."""
+    return linearise(discrete.static, state, scale=held_part(settings))
+
+
+def small_vibrations(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
+    """Return the same, as stiff as the slowest vibration sees them."""
+    linear = small_motions(discrete, settings, state)
+    return vibrating(linear, Relaxing.of(discrete.static.system, state, linear))
+
+
+def held_part(settings: SimulateSettings) -> float:
+    """Return which part of the loads just before t = 0 the start is in balance with."""
+    return 1.0 if settings.initial == "equilibrium" or settings.start is not None else 0.0
