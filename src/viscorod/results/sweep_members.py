@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
 import numpy as np
 
 from viscorod.results.files.storage import load
-from viscorod.results.quantities import Number
+from viscorod.results.quantity_values import Number
 from viscorod.results.sweep_figures import figures_of
 from viscorod.typing import Floats
 

@@ -13,7 +13,7 @@ from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.files.storage import write
-from viscorod.results.quantities import HISTORY_TIMES
+from viscorod.results.quantity_values import HISTORY_TIMES
 from viscorod.results.stacked_members import along_members, difference, stacked
 from viscorod.results.sweep_figures import FIGURES, shown
 from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun

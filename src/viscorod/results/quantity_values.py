@@ -1,0 +1,192 @@
+"""Numbers of a result that words stand for: fields at places, reduced over time, decays, frequencies, energies."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
+
+import numpy as np
+
+from viscorod.errors import InputError
+from viscorod.results.components import STRAINS
+from viscorod.results.data_schema import AXES, LABELS
+
+if TYPE_CHECKING:
+    from viscorod.results.any_result import AnyResult
+    from viscorod.results.between_records import Instants
+    from viscorod.results.result import Result
+    from viscorod.typing import Floats
+
+__all__ = [
+    "FIELDS",
+    "HISTORY",
+    "HISTORY_TIMES",
+    "OTHERS",
+    "REDUCTIONS",
+    "SIZE",
+    "Number",
+    "Word",
+    "field_value",
+]
+
+Number: TypeAlias = float | list[float]
+"""Value of a quantity: a number, or those of a history."""
+Word: TypeAlias = str | float
+"""One word of a quantity."""
+
+HISTORY = "history"
+HISTORY_TIMES = 201
+"""Instants of a history, equally spaced from 0 to the end of the motion."""
+
+_DIRECTORS = ("d1", "d2", "d3")
+SIZE = "size"
+FIELDS: dict[str, tuple[str, ...]] = {
+    "position": AXES,
+    "displacement": AXES,
+    "velocity": AXES,
+    "angular_velocity": _DIRECTORS,
+    "strain": tuple(STRAINS),
+    "section_force": tuple(STRAINS),
+    "dissipation": (),
+    "reaction": tuple(LABELS["motion"]),
+}
+"""What can be read at a place -> its components; vectors of three have a size too."""
+
+
+def _mean(t: Floats, x: Floats) -> float:
+    return float(np.trapezoid(x, t) / (t[-1] - t[0])) if t[-1] > t[0] else float(x[0])
+
+
+REDUCTIONS: dict[str, Callable[[Floats, Floats], float]] = {
+    "first": lambda _, x: float(x[0]),
+    "last": lambda _, x: float(x[-1]),
+    "min": lambda _, x: float(x.min()),
+    "max": lambda _, x: float(x.max()),
+    "max_abs": lambda _, x: float(np.abs(x).max()),
+    "range": lambda _, x: float(x.max() - x.min()),
+    "mean": _mean,
+    "rms": lambda t, x: math.sqrt(_mean(t, x * x)),
+}
+"""What makes a number of a history: of stored states, means by the trapezoidal rule over time."""
+
+
+def field_value(result: AnyResult, words: tuple[Word, ...]) -> Number:
+    """Return what is read at a place, reduced."""
+    from viscorod.results.probe import instants_of
+    from viscorod.results.run import Run
+
+    head, place, how = str(words[0]), str(words[1]), words[-1]
+    component = str(words[2]) if FIELDS[head] else ""
+    found: Any = result
+    along: Floats = np.asarray(found.data[found.dimension].values, dtype=float)
+    instants = None
+    if head == "reaction":
+        values = _reaction(found, place)
+    else:
+        if isinstance(result, Run) and isinstance(how, float):
+            instants = instants_of(result, how)
+        elif isinstance(result, Run) and how == HISTORY:
+            instants = instants_of(result, np.linspace(0.0, result.time[-1], HISTORY_TIMES))
+        values = _at(found, place, head, instants)
+    if component == SIZE:
+        values = np.linalg.norm(values, axis=-1)
+    elif component:
+        values = values[:, FIELDS[head].index(component)]
+    if not np.isfinite(values).all():
+        raise InputError(f"{head} of {place} is not finite")
+    if how == HISTORY:
+        return [float(value) for value in values]
+    return float(values[0]) if isinstance(how, float) else REDUCTIONS[how](along, values)
+
+
+def _at(result: Result, place: str, head: str, instants: Instants | None) -> Floats:
+    """Return a field at a place, in stored states or at instants."""
+    from viscorod.results.probe import fields_at
+
+    site = result.sites.at(place)
+    if instants is None and head in ("position", "displacement"):  # no other field is read
+        return result.vector(site, "position" if head == "position" else "displacement")
+    fields = fields_at(result, [site], instants)
+    if head not in fields:
+        raise InputError(f"{head} is not known at {place}")
+    return fields[head][:, 0]
+
+
+def _reaction(result: Result, place: str) -> Floats:
+    known = [str(name) for name in result.data["support"].values] if "reaction" in result.data else []
+    if place not in known:
+        raise InputError(f"{place} has no support; there are {', '.join(known) or 'none'}")
+    values: Floats = result.data["reaction"].values[:, known.index(place)]
+    return values
+
+
+def _decay(result: Any, words: Sequence[Word]) -> float:
+    place, axis, what = map(str, words[:3])
+    found = result.decay(place, axis)
+    if len(words) == 3 and not found.regular:
+        raise InputError(
+            f"{place} along {axis} does not decay regularly over three maxima or more; simulate longer, or name a cycle"
+        )
+    if len(words) == 3:
+        if what == "damping_ratio":
+            return float(found.limit[1])
+        return float(np.mean(getattr(found, what))) if what != "amplitude" else float(found.amplitude[0])
+    values, cycle = getattr(found, what), int(words[3])
+    if cycle > len(values):
+        raise InputError(f"{place} along {axis} has {len(values)} cycles; there is no cycle {cycle}")
+    return float(values[cycle - 1])
+
+
+def _numbered(what: str) -> Callable[[Any, Sequence[Word]], float]:
+    """Return what reads a number of a mode, a pole or a critical load, by its number or name."""
+
+    def read(result: Any, words: Sequence[Word]) -> float:
+        word = words[0]
+        if what == "load_factor":
+            values, names = result.load_factors, []
+        elif hasattr(result, "poles"):
+            s = result.poles
+            names = [str(name) for name in result.data["pole_name"].values]
+            values = np.abs(s) / (2.0 * np.pi) if what == "frequency" else -s.real / np.abs(s)
+        else:
+            values = result.frequencies if what == "frequency" else result.damping_ratios
+            names = list(result.names)
+        if isinstance(word, str):
+            if word not in names:
+                raise InputError(f"there is no {word!r}; there are {', '.join(names) or 'numbers only'}")
+            return float(values[names.index(word)])
+        if word > len(values):
+            raise InputError(f"there are {len(values)}; there is no number {word:g}")
+        return float(values[int(word) - 1])
+
+    return read
+
+
+def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:
+    """Return what reads the largest size of a response, or where it is."""
+
+    def read(result: Any, words: Sequence[Word]) -> float:
+        size_of = result.amplification if hasattr(result, "amplification") else result.amplitude
+        size = size_of(*(int(word) if isinstance(word, float) else word for word in words))
+        return float(size.max() if what == "peak" else result.frequencies[np.argmax(size)])
+
+    return read
+
+
+def _energy(result: Any, words: Sequence[Word]) -> float:
+    account = result.energy
+    values = np.broadcast_to(getattr(account, str(words[0])), account.time.shape)
+    return REDUCTIONS[str(words[1])](account.time, values)
+
+
+OTHERS: dict[str, Callable[[Any, Sequence[Word]], float]] = {
+    "decrement": _decay,
+    "energy": _energy,
+    "frequency": _numbered("frequency"),
+    "damping_ratio": _numbered("damping_ratio"),
+    "load_factor": _numbered("load_factor"),
+    "peak": _peak("peak"),
+    "peak_frequency": _peak("peak_frequency"),
+}
+"""First word of what is no field at a place -> what reads it from the other words."""
