@@ -69,7 +69,7 @@ def test_a_kernel_that_only_motions_need_is_announced_by_these(monkeypatch):
     """An equilibrium of Maxwell branches never compiles ``remember``, and does not say so every time."""
     said = []
     monkeypatch.setattr("viscorod.analyses.discrete.announce_formulation", said.append)
-    monkeypatch.setattr("viscorod.analyses.motion.announce_formulation", said.append)
+    monkeypatch.setattr("viscorod.analyses.motion_start.announce_formulation", said.append)
     model = vr.Model()
     damping = vr.Prony(shear_ratios=[0.3], shear_times=[0.1], constant="bulk_modulus")
     rubber = vr.Material(1e6, 0.45, 1100.0, damping=damping)

@@ -13,7 +13,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
-import viscorod.analyses.motion
+import viscorod.analyses.motion_start
 import viscorod.analyses.sweep
 from helpers.plain_text import flat
 from helpers.quantities import ends_its_process_once, scaled_tip, times_tip, tip_at_end
@@ -241,7 +241,7 @@ def test_members_take_steps_as_runs_by_themselves_do(swing, monkeypatch):
     for constants in ({"simulate.tolerance": 1e-4}, {"simulate.tolerance": 1e-4, "simulate.duration": 0.05}):
         whole = vr.sweep(swing, values, constants=constants, **given).table()
         with monkeypatch.context() as patch:
-            patch.setattr(viscorod.analyses.motion, "linearise", refused)
+            patch.setattr(viscorod.analyses.motion_start, "linearise", refused)
             bare = vr.sweep(swing, values, constants=constants, errors=0, **given).table()
         assert bare["outcome"].tolist() == 2 * ["completed"]
         assert bare[["tip", "steps"]].equals(whole[["tip", "steps"]])

@@ -101,7 +101,7 @@ class SteadyState(Definition):
 AnyEvent: TypeAlias = Crossing | Decayed | SteadyState
 
 EVENTS: dict[str, type[Definition]] = {"crossing": Crossing, "decayed": Decayed, "steady": SteadyState}
-"""The events by their word in a case file; `analyses.motion` makes the monitor of each."""
+"""The events by their word in a case file; `analyses.motion_events` makes the monitor of each."""
 
 
 Events = Annotated[
