@@ -10,12 +10,14 @@ from typing import Any
 
 from viscorod.errors import Fault, InputError
 
-__all__ = ["RefusedError", "did_you_mean", "nearest", "path_text", "show", "some_of"]
+__all__ = ["RefusedError", "did_you_mean", "nearest", "nearest_key", "path_text", "show", "some_of"]
 
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
 _SHORT.maxlist = _SHORT.maxtuple = _SHORT.maxdict = 8
 _LONGEST, _MOST = 160, 12
+LESS_ALIKE = 0.1
+"""By how much a key that is not there yet may be less like an unknown one than a key that is."""
 
 
 class RefusedError(InputError):
@@ -36,6 +38,19 @@ def nearest(word: str, allowed: Iterable[str]) -> str | None:
     words = list(allowed)
     close = difflib.get_close_matches(word.lower(), [w.lower() for w in words], n=1, cutoff=0.6)
     return next((w for w in words if w.lower() == close[0]), None) if close else None
+
+
+def nearest_key(key: str, allowed: Iterable[str], given: Iterable[str]) -> str | None:
+    """Return the key that an unknown one was meant to be: rather one that is not given, unless that is less alike."""
+    names, there = list(allowed), set(given)
+    free, alike = nearest(key, [name for name in names if name not in there]), nearest(key, names)
+    if free and alike and alike in there and _likeness(key, alike) > _likeness(key, free) + LESS_ALIKE:
+        return alike
+    return free or alike
+
+
+def _likeness(word: str, other: str) -> float:
+    return difflib.SequenceMatcher(None, other.lower(), word.lower()).ratio()
 
 
 def did_you_mean(word: Any, allowed: Iterable[str], text: Callable[[str], str] = repr) -> str:

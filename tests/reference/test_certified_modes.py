@@ -361,6 +361,57 @@ def string(tension, stretching):
     return model
 
 
+@pytest.mark.parametrize(
+    ("mesh", "around"),
+    [({}, 0.0), ({"elements": 40, "order": 2}, 0.0), ({"elements": 30, "order": 3}, 1e-12)],
+)
+def test_a_hanging_cable_spins_about_its_own_line(mesh, around):
+    """Irvine (1981): sidewise and antisymmetric modes of a cable, ``tan x = x - (4/lambda^2) x^3`` of symmetric ones.
+
+    That all its sections turn about its line strains nothing on any mesh: one motion at 0 Hz that does not grow. A drag
+    against it alone, however weak, gives that one motion a rate (moment over inertia), and moves nothing else.
+    """
+    L, H, EA, g, mass = 100.0, 5000.0, 1e6, 9.81, 1.0
+    sag = mass * g * L**2 / (8.0 * H)
+    natural = L * (1.0 + 8.0 / 3.0 * (sag / L) ** 2) - H * L / EA * (1.0 + 16.0 / 3.0 * (sag / L) ** 2)
+    section = vr.StiffnessSection([EA / 2, EA / 2, EA, 0, 0, 0], [mass] * 3 + [1e-3, 1e-3, 2e-3])
+    model = vr.Model()
+    model.add("string", vr.Rod.straight((0, 0, 0), (natural, 0, 0), section=section, **mesh))
+    model.pin("string.start")
+    model.support("string.end", ("uy", "uz"), motion={"ux": L - natural})
+    model.gravity((0, 0, -g))
+    if around:
+        model.drag("string", linear_about=around)
+    found = model.modes(5)
+    assert found.names[0] == "free of stiffness"
+    assert found.rigid == 1
+    if around:
+        # the radius of gyration of a cable, see model.cable
+        assert found.eigenvalues[1] == pytest.approx(-around / (mass * (1e-5 * natural) ** 2), rel=1e-6)
+    assert found.eigenvalues.real.max() < 1e-12
+    elastic = (mass * g * L / H) ** 2 * EA / (H * (1.0 + 8.0 * (sag / L) ** 2))
+    x = brentq(lambda x: np.tan(x) - x + 4.0 / elastic * x**3, np.pi / 2 + 1e-6, 3.0 * np.pi / 2 - 1e-6)
+    string_like = np.sqrt(H / mass) / (2.0 * L)
+    expected = [string_like, 2.0 * x / np.pi * string_like, 2.0 * string_like]
+    listed = 2 if around else 1
+    assert found.frequencies[listed : listed + 3] == pytest.approx(sorted(expected), rel=4e-3)
+
+
+@pytest.mark.parametrize("damper", [1e-3, 1e-14, 1e-18])
+def test_a_rod_that_slides_almost_without_resistance_vibrates_as_ever(damper):
+    """A sliding rod dies away by ``damper / mass``; its roots ``1/s`` would hide those of bending."""
+    model = vr.Model()
+    steel = vr.Material(2e11, 0.3, 7850.0, damping=vr.KelvinVoigt(1e-4, 1e-4))
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.005), material=steel))
+    model.support("rod.start", ("uy", "uz", "rx", "ry", "rz"))
+    model.spring("rod.start", damping={"ux": damper})
+    found = model.modes(4, about="reference")
+    assert found.eigenvalues[1] == pytest.approx(-damper / model.mass, rel=1e-9)
+    bending = 3.5160153**2 * 2e11 * 0.005**2 / 4 / 7850.0
+    assert np.abs(found.eigenvalues[2:]) == pytest.approx(np.sqrt(bending), rel=1e-4)
+    assert found.damping_ratios[2:] == pytest.approx(0.5e-4 * np.sqrt(bending), rel=1e-4)
+
+
 def test_a_string_with_a_damper_near_its_end():
     """Krenk (2000): with ``b`` the wave number, ``sin bL + i c/sqrt(Tm) sin ba sin b(L - a) = 0``.
 

@@ -6,12 +6,14 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.bodies.body_shapes import Sphere
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.fields.definition import Definition, nearest, path_text, show, some_of
+from viscorod.model.fields.definition import Definition, path_text, show, some_of
 from viscorod.model.fields.metadata import Key
 from viscorod.model.fields.values import Number, Positive
+from viscorod.model.materials.material import Material
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
+from viscorod.wording import nearest
 
 
 class Inner(Definition):
@@ -164,3 +166,13 @@ def test_former_names_of_arguments_are_understood_with_a_warning():
         model.velocity("rod", angular=(0, 0, 1), about=(1, 0, 0))
     assert [warning.filename for warning in warned] == [__file__]  # where Python shows it
     assert model.velocities[0] == model.velocities[1]
+
+
+@pytest.mark.parametrize(
+    ("key", "meant"),
+    [("youngs_moduls", "youngs_modulus"), ("poisons_ratio", "poissons_ratio"), ("modulus", "shear_modulus")],
+)
+def test_an_unknown_key_is_compared_with_those_that_are_given_too(key, meant):
+    """A misspelt name beside the right one, as in the numbers of a sweep, is that name, not the next best free one."""
+    with pytest.raises(InputError, match=f"did you mean {meant}\\?"):
+        Material(1e6, 0.3, 1000.0, **{key: 2.0})

@@ -16,9 +16,9 @@ from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.fields.definition import nearest
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.units import Conversion
+from viscorod.wording import nearest
 
 __all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
 

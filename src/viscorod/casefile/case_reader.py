@@ -25,7 +25,6 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import (
     FaultyValue,
     did_you_mean,
-    nearest,
     path_text,
     problems_of,
     show,
@@ -49,6 +48,7 @@ from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.stability import StabilitySettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
+from viscorod.wording import nearest_key
 
 __all__ = ["ANALYSES", "CaseReader"]
 
@@ -148,7 +148,7 @@ class CaseReader:
         meant = []
         for key in table:
             if key not in allowed:
-                close = nearest(key, [word for word in allowed if word not in table]) or nearest(key, allowed)
+                close = nearest_key(key, allowed, table)
                 hint = f"did you mean {close}? " if close else ""
                 advice = f"{hint}The keys here are {', '.join(allowed)}"
                 self._wrong(join_path(path, path_text((key,))), show(table[key]), "no such key", advice)

@@ -21,6 +21,7 @@ from viscorod.model.centrelines.tilt import Tilt, tilts
 from viscorod.model.centrelines.tilt import tilt as as_tilt
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Key
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import Flag, OptionalDirection, choose
 from viscorod.model.materials.material import Material
 from viscorod.model.rod_checks import material_value, require_consistent, twist_value, whole_or_auto
@@ -204,7 +205,13 @@ class Rod(AlongCurves, Definition):
             return self.section.at(min(max(s / self.length, 0.0), 1.0))
         if isinstance(self.section, AnySection):
             return self.section
-        section = self.section(s)
+        section = users_result(
+            self.section,
+            s,
+            of="the section",
+            where=f"s = {s:.6g}",
+            instead="make it return a section everywhere",
+        )
         if not isinstance(section, AnySection):
             raise RefusedError(
                 f"the function of the section returned no section at s = {s:.6g}",

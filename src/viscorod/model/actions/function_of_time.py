@@ -8,10 +8,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
-from viscorod.errors import let_interrupts_through
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.fields.definition import RefusedError, base_init, show
 from viscorod.model.fields.metadata import accepts, optional
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import function, number, numbers
 
 __all__ = ["FunctionOfTime"]
@@ -98,22 +98,13 @@ class FunctionOfTime(TimeFunction):
     def _call(self, function: Callable[[float], float] | None, t: float, before: bool) -> float:
         assert function is not None
         at = math.nextafter(t, -math.inf) if before and t in self.break_times else t
-        try:
-            result = function(at)
-        except RefusedError:
-            raise
-        except Exception as error:  # of any kind: it is the user's
-            let_interrupts_through(error)
-            raise RefusedError(
-                f"the function of time failed at t = {t:.9g} s: {type(error).__name__}: {error}",
-                "make it return a finite number at all times",
-                found="",
-            ) from error
+        instead = "make it return a finite number at all times"
+        result = users_result(function, at, of="time", where=f"t = {t:.9g} s", instead=instead)
         try:
             return number(result)
         except RefusedError as error:
             raise RefusedError(
                 f"the function of time gave this at t = {t:.9g} s: {error.why}",
-                "make it return a finite number at all times",
+                instead,
                 found=show(result),
             ) from None

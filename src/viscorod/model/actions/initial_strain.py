@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import quantity, row
 from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
@@ -52,7 +53,14 @@ class InitialStrain(Definition):
         """Return the strains (6,) at the arc length `s`."""
         if not callable(self.value):
             return np.array(self.value)
-        result = self.value(s)
+        result = users_result(
+            self.value,
+            s,
+            of="the initial strain",
+            where=f"s = {s:.6g}",
+            instead="return six numbers",
+            at=("value",),
+        )
         try:
             return np.array(six_strains(result))
         except ValueError as error:

@@ -10,6 +10,7 @@ from pydantic import model_validator
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Key, optional
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import Name, Vector, function, sequence, vector
 from viscorod.typing import Floats
 
@@ -47,7 +48,14 @@ class InitialVelocity(Definition):
         if self.field is None:
             angular = np.array(self.angular)
             return np.array(self.linear) + np.cross(angular, position - np.array(self.point)), angular
-        result = self.field(s)
+        result = users_result(
+            self.field,
+            s,
+            of="the initial velocity",
+            where=f"s = {s:.6g}",
+            instead="return two vectors of three numbers",
+            at=("field",),
+        )
         try:
             linear, turning = sequence(result)
             return np.array(vector(linear)), np.array(vector(turning))

@@ -22,6 +22,7 @@ from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField
 from viscorod.model.fields.definition import RefusedError, show, some_of
 from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import (
     TRIPLE,
     Flag,
@@ -120,7 +121,16 @@ class _Distributed(AlongRod):
 
     def density(self, s: float) -> Floats:
         """Load per reference length (3,) at the arc length `s`, without factor and limits."""
-        value = self.value(s) if callable(self.value) else self.value
+        value = self.value
+        if callable(value):
+            value = users_result(
+                value,
+                s,
+                of="the load",
+                where=f"s = {s:.6g}",
+                instead="return three finite numbers",
+                at=("value",),
+            )
         try:
             return np.array(vector(value))
         except RefusedError as error:

@@ -18,6 +18,7 @@ from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, quantity, row
 from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import Name, OptionalNumber, numbers, sequence
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_base import AnySection
@@ -156,11 +157,18 @@ class RestStrain(Definition):
         if not callable(self.value):
             return np.array(self.value, dtype=float)
         given: Callable[..., Any] = self.value
-        result = given(s, t) if self.sees_time else given(s)
+        when = f", t = {t:.9g}" if self.sees_time else ""
+        result = users_result(
+            given,
+            *([s, t] if self.sees_time else [s]),
+            of="the rest strain",
+            where=f"s = {s:.6g}{when}",
+            instead="return six numbers",
+            at=("value",),
+        )
         try:
             return np.array(six_strains(result))
         except ValueError as error:
-            when = f", t = {t:.9g}" if self.sees_time else ""
             raise RefusedError(
                 f"the function of the rest strain gave this at s = {s:.6g}{when}: {error}",
                 "return six numbers",

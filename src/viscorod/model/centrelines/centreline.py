@@ -16,6 +16,7 @@ from typing import ClassVar, TypeAlias
 import numpy as np
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import number
 from viscorod.typing import Floats
 
@@ -96,13 +97,14 @@ class Centreline(Definition):
 
 
 def _angle(twist: Callable[[float], float], s: float) -> float:
-    angle = twist(s)
+    instead = "make it return an angle in rad everywhere"
+    angle = users_result(twist, s, of="the twist", where=f"s = {s:.6g}", instead=instead, at=("twist",))
     try:
         return number(angle)
     except RefusedError as error:
         raise RefusedError(
             f"the function of the twist gave this at s = {s:.6g}: {error.why}",
-            "make it return an angle in rad everywhere",
+            instead,
             found=show(angle),
             at=("twist",),
         ) from None

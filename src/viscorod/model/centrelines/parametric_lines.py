@@ -18,6 +18,7 @@ from viscorod.model.centrelines.smooth_curve import SmoothCurve, chebyshev_curve
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import (
     TRIPLE,
     OptionalText,
@@ -177,8 +178,16 @@ class ParametricCurve(_Parametric):
         return SmoothCurve(*chebyshev_curve(self._point))
 
     def _point(self, u: float) -> Floats:
+        point = users_result(
+            self.function,
+            u,
+            of="the centre line",
+            where=f"u = {u:.6g}",
+            instead="make it return a point for every u in [0, 1]",
+            at=("function",),
+        )
         try:
-            return np.array(vector(self.function(u)))
+            return np.array(vector(point))
         except RefusedError as error:
             raise RefusedError(
                 f"it does not return a point: {error.why}", error.instead, at=("function",)

@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import accepts
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import TRIPLE, vector
 from viscorod.typing import Floats
 
@@ -37,13 +38,14 @@ def tilts(given: Tilt, s: Floats) -> Floats:
 
 
 def _at(given: Callable[[float], Sequence[float]], s: float) -> tuple[float, ...]:
-    result = given(s)
+    instead = "make it return a rotation vector in rad everywhere"
+    result = users_result(given, s, of="the tilt", where=f"s = {s:.6g}", instead=instead, at=("tilt",))
     try:
         return vector(result)
     except RefusedError as error:
         raise RefusedError(
             f"the function of the tilt gave this at s = {s:.6g}: {error.why}",
-            "make it return a rotation vector in rad everywhere",
+            instead,
             found=show(result),
             at=("tilt",),
         ) from None

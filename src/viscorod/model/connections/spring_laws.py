@@ -9,6 +9,7 @@ from viscorod.model.connections.motion_words import MOTIONS, motion_word
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import NOT_NEGATIVE, Form, quantity, word_table
 from viscorod.model.fields.metadata import Check, accepts
+from viscorod.model.fields.users_functions import users_result
 from viscorod.model.fields.values import amount, entries, number
 
 __all__ = [
@@ -55,7 +56,7 @@ def law_value(law: Law, at: float) -> float:
     """
     if not callable(law):
         return law * at
-    result = law(at)
+    result = users_result(law, at, of="the spring", where=f"{at:.6g}", instead="return a finite number")
     try:
         return number(result)
     except RefusedError as error:

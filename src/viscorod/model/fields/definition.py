@@ -25,7 +25,7 @@ from viscorod.model.fields.quantities import in_si
 from viscorod.model.fields.signature import parameters, signature
 from viscorod.shown import Shown
 from viscorod.units import looks_like_quantity
-from viscorod.wording import RefusedError, did_you_mean, nearest, path_text, show, some_of
+from viscorod.wording import RefusedError, did_you_mean, nearest_key, path_text, show, some_of
 
 __all__ = [
     "Definition",
@@ -34,7 +34,6 @@ __all__ = [
     "at_key",
     "base_init",
     "did_you_mean",
-    "nearest",
     "path_text",
     "plain_value",
     "problems_from",
@@ -311,8 +310,7 @@ def plain_value(value: Any) -> Any:
 
 
 def _unknown(cls: type[Definition], key: str, data: Mapping[Any, Any]) -> FaultyValue:
-    free = [name for name in cls.model_fields if name not in data]
-    close = nearest(key, free) or nearest(key, cls.model_fields)
+    close = nearest_key(key, cls.model_fields, data)
     advice = (
         f"did you mean {close}? The keys here are {_keys(cls)}"
         if close

@@ -16,7 +16,7 @@ import scipy.linalg
 from viscorod.solve.modes.linearisation import EPS, unresisted
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.undamped import Undamped
-from viscorod.solve.statics.work import precise_form
+from viscorod.solve.statics.work import matrix_form, precise_form
 from viscorod.typing import Floats
 
 CLASSICAL = 1e-8
@@ -32,6 +32,8 @@ CLOSE = 1e-6
 """Relative distance of frequencies below which modes are taken as one space, such as bending of a square section."""
 BLOCK = 200_000
 """Numbers of the vectors that are looked at together."""
+WEAK = 1e-8
+"""Rate at which a rigid motion dies away, as a part of the slowest frequency, below which vibrations do not move it."""
 REAL = 1e-9
 """Imaginary part, as a part of ``|s|``, below which a root is real."""
 SLOW = 0.7
@@ -150,7 +152,7 @@ class _Reduction:
         if R.shape[1] and self.D.nnz:
             resting = unresisted(self.D, R)
             around, _ = scipy.linalg.qr(resting) if resting.shape[1] else (np.eye(R.shape[1]), None)
-            self.R = R @ around[:, resting.shape[1] :]
+            self.R = self._damped(R @ around[:, resting.shape[1] :])
         else:
             self.R = R[:, :0]
         states = 2 + len(pencil.branches)
@@ -160,6 +162,18 @@ class _Reduction:
         self.single = False
         self.complete = undamped.complete and len(kept) == len(natural)
         self.W, self.squares = undamped.shapes[:, kept], undamped.squares[kept]
+
+    def _damped(self, motions: Floats) -> Floats:
+        """Return those of rigid motions whose loss is more than the rounding of entries of the damping matrix.
+
+        Neutral motions are found as vibrations are, to some digits: their strains are small but not zero.
+        """
+        loss = precise_form(self.D, self.pencil.linear.loss, motions)
+        noise = EPS * matrix_form(self.D, motions)[1]
+        noise = np.sqrt(noise[:, None] * noise)
+        parts = np.divide(loss, noise, out=np.zeros_like(loss), where=noise > 0.0)
+        values, turn = np.linalg.eigh(0.5 * (parts + parts.T))
+        return np.asarray(motions @ turn[:, values > 1.0])
 
     @cached_property
     def good(self) -> float:
@@ -176,8 +190,10 @@ class _Reduction:
         most = max(1, BLOCK // size)
         return [slice(k, k + most) for k in range(0, count, most)]
 
-    def residuals(self, roots: np.ndarray, vectors: np.ndarray) -> Floats:
+    def residuals(self, roots: np.ndarray, vectors: np.ndarray, strained: np.ndarray | None = None) -> Floats:
         """Return what roots and their vectors leave unbalanced as a part of the largest of the forces that balance.
+
+        The part ``strained`` of vectors has stiffness, the rest are rigid motions, whose stiffness is round-off.
 
         Forces are measured by the displacements (by their kinetic energy) that they would cause, or, where all modes
         are known and that is less, by the accelerations. Without damping it is a bound of the relative error of
@@ -189,8 +205,11 @@ class _Reduction:
             measures.append(self.undamped.accelerations)
         for block in self._blocks(vectors):
             s, x = roots[block], vectors[:, block]
-            left = self.pencil.applied(s, x)
-            parts = np.hstack([left, s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, self.K @ x])
+            left, elastic = self.pencil.applied(s, x), self.K @ x
+            if strained is not None:
+                resisting = self.K @ strained[:, block]
+                left, elastic = left - elastic + resisting, resisting
+            parts = np.hstack([left, s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, elastic])
             for measure in measures:
                 moved = measure(parts)
                 squares = np.einsum("ik,ik->k", moved.conj(), M @ moved).real
@@ -225,9 +244,10 @@ class _Reduction:
         own = np.sqrt(np.abs(self.squares))
         K = V.T @ (self.K @ W)
         K[p:] -= np.diag(self.squares)  # what is not symmetric
-        noise = np.einsum("ik,ik->k", np.abs(W), abs(self.K) @ np.abs(W))
-        noise = 1e2 * EPS * np.sqrt(noise[:, None] * noise)
-        K[p:][np.abs(K[p:]) <= CLASSICAL * own[:, None] * own + noise] = 0.0
+        noise = np.einsum("ik,ik->k", np.abs(V), abs(self.K) @ np.abs(V))
+        noise = 1e2 * EPS * np.sqrt(noise[:, None] * noise[p:])
+        noise[p:] += CLASSICAL * own[:, None] * own
+        K[np.abs(K) <= noise] = 0.0
         self.single = p == 0 and not self.pencil.branches and not K.any() and _diagonal(D)
         if self.single:
             roots, vectors = _single_roots(np.diag(D), self.squares, W)
@@ -241,6 +261,9 @@ class _Reduction:
                 roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
             displacements = np.vstack([states[:p] / roots, states[p:]])
             vectors = V @ displacements
+            if p:
+                residuals = self.residuals(roots, vectors, W @ displacements[p:])
+                return _ordered(self, roots, vectors, residuals)
         return _ordered(self, roots, vectors, self.residuals(roots, vectors))
 
     def _branch_roots(self, D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.ndarray]:
@@ -311,6 +334,13 @@ def _inverse_roots(D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.nd
         D: of rigid motions and the others; K: forces on both by displacements of the others; own: ``w`` of these.
     """
     m, p = len(own), len(D) - len(own)
+    slow, turn = np.linalg.eigh(D[:p, :p])
+    weak = slow < WEAK * own.min(initial=np.inf)
+    if weak.any():  # they move by themselves; 1/s of the others would be lost beside theirs
+        around = scipy.linalg.block_diag(turn[:, ~weak], np.eye(m))
+        s, states = _inverse_roots(around.T @ D @ around, around.T @ K, own)
+        alone = np.vstack([turn[:, weak], np.zeros((m, int(weak.sum())))])
+        return np.append(s, -slow[weak]), np.hstack([around @ states, alone])
     n = p + m
     rows = np.concatenate([np.ones(p), 1.0 / own])[:, None]
     left = np.hstack([rows * D[:, :p], rows * K / own])

@@ -67,25 +67,35 @@ class SecondVariation:
         return Work(lambda motions: self._form(motions, self._sections[1], self._beside_elements[2]))
 
     @cached_property
-    def _beside_elements(self) -> tuple[GeometricSystem, sparse.csr_array, sparse.csr_array]:
+    def _beside_elements(
+        self,
+    ) -> tuple[GeometricSystem, sparse.csr_array, sparse.csr_array, sparse.csr_array]:
         """What is left of stiffness and damping without elements ``(free, free)``, behind the system that has none.
 
-        The operators of its elements are those of strains.
+        The operators of its elements are those of strains. The last matrix ``(6 n, 6 n)`` has the sizes of what the
+        entries of the stiffness are summed up from: forces turn a section about each of its axes by the same products,
+        which cancel about the axis along the force.
         """
         bare = without_elements(self._system)
         bare.stress[:] = self._stress
         state, dampers, basis = self._state, Matrix(bare.problem.pattern), self._basis
         bare.assemble(state, self._loads, None, tangent=True, moving=False, rate_matrix=dampers)
+        sizes = Matrix(bare.problem.pattern)
+        parts = np.abs(bare.matrix.blocks).reshape(-1, 2, 3, 2, 3)
+        parts[:] = parts.max(axis=(2, 4), keepdims=True)
+        sizes.blocks[:] = parts.reshape(-1, 6, 6)
         stiffness, _ = self._supports.reduce_tangent(state, self._balance.copy(), bare.matrix)
         size = basis.shape[0]
         damping = sparse.csr_array(basis.T @ dampers.sparse()[:size, :size] @ basis)
         bare.carry_strains(state)
-        return bare, stiffness, damping
+        return bare, stiffness, damping, sparse.csr_array(sizes.sparse()[:size, :size])
 
     def _form(self, motions: Floats, sections: Floats, beside: sparse.csr_array) -> tuple[Floats, Floats]:
         """Return ``int de.C de`` of section matrices, and the form of the matrix ``beside`` it."""
         bare = self._beside_elements[0]
         work, size = matrix_form(beside, motions)
+        moved = np.abs(np.asarray(self._basis @ motions))
+        size = np.maximum(size, np.einsum("ik,ik->k", moved, self._beside_elements[3] @ moved))
         strains = []
         for column in np.ascontiguousarray(np.asarray(self._basis @ motions).T):
             bare.carry_stress(column.reshape(-1, 6))
