@@ -30,6 +30,7 @@ SMALL = {
     "stability": (["--rounds", "1"], {"ELEMENTS": (1,)}),
     "statics": (["--rounds", "1"], {}),
     "sweep": (["--members", "2", "--workers", "1", "--tolerance", "1e-2"], {}),
+    "whole_results": (["--members", "2", "--duration", "0.1"], {}),
     "tolerance": (["string", "--tolerances", "1e-2"], {"REFERENCE": 1e-3, "OUTPUTS": 10}),
 }
 """Arguments of the scripts, and their constants, that make them small."""

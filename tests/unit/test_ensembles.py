@@ -207,6 +207,10 @@ WRONG = [
     ({"n": 100}, "n: 100: Sobol' points are balanced in powers of two only; give 128"),
     ({"seed": -1}, "seed: -1: a whole number from 0 on"),
     ({"distributions": {FORCE: 3.0}}, "this is no distribution; give a frozen distribution of SciPy"),
+    (
+        {"distributions": {FORCE: scipy.stats.norm}},
+        "scipy.stats.norm: this is a kind of distribution; its param",
+    ),
     ({"distributions": {FORCE: scipy.stats.norm(0.0, -1.0)}}, "its parameters give no numbers"),
     ({"distributions": {}}, "keys of the case file with their distributions are needed"),
     ({"quantities": {}}, "there is nothing to tell of"),

@@ -48,6 +48,17 @@ def without_checksums(path, change=None):
     return path
 
 
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [("run.csv", "to_csv"), ("RUN.CSV", "to_csv"), ("run.png", "plot"), ("run.vtkhdf", "save_paraview")],
+)
+def test_a_name_of_another_format_is_refused(name, words, run, tmp_path):
+    """It would hold netCDF4 under that name."""
+    with pytest.raises(vr.InputError, match=rf"end the name in \.nc\. .*{words}"):
+        run.save(tmp_path / name)
+    assert not list(tmp_path.iterdir())
+
+
 def test_any_program_reads_the_file(run, path):
     with xr.open_dataset(path, engine="h5netcdf") as data:
         assert data.drop_attrs().equals(run.data.drop_attrs())

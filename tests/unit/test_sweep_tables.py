@@ -527,6 +527,34 @@ def test_members_that_are_none(held, members, message):
         vr.sweep(held, {FORCE: 3 * [1e-4]}, quantities={"tip": TIP}, workers=1, members=members)
 
 
+def test_a_part_is_reported_by_itself(held):
+    """An array job lists the members that it computed, however many come before them."""
+    values = {FORCE: np.linspace(1e-4, 2e-4, 90)}
+    sweep = vr.sweep(held, values, quantities={"tip": TIP}, workers=1, members=slice(80, 83), errors=0)
+    report = sweep.report()
+    assert [line.split()[0] for line in report.splitlines() if line.startswith("  8")][:3] == [
+        "80",
+        "81",
+        "82",
+    ]
+    assert "87 members were not run and are not listed" in report
+    with pytest.raises(vr.InputError, match="members: 170:: none of the 90 members"):
+        vr.sweep(held, values, quantities={"tip": TIP}, workers=1, members=slice(170, None))
+
+
+def test_what_all_members_share_has_no_lines_of_its_own(held):
+    """The axis is the parameter that varies, and a constant stands in no legend."""
+    values = {"rods.beam.order": [3, 3], FORCE: [1e-4, 2e-4]}
+    constants = {"materials.rubber.density": 900.0}
+    sweep = vr.sweep(held, values, constants=constants, quantities={"tip": TIP}, workers=1)
+    (axes,) = sweep.plot().axes
+    assert axes.get_xlabel() == FORCE
+    assert axes.get_legend() is None
+    (line,) = (line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
+    assert list(line.get_xdata()) == [1e-4, 2e-4]
+    assert sweep.plot(x="rods.beam.order").axes[0].get_xlabel() == "rods.beam.order"
+
+
 def test_functions_count_with_what_they_take_from_around_them(held, tmp_path):
     """A folder holds numbers of another function of the same words: they are not those that are asked for now."""
     given = {"workers": 1, "folder": tmp_path, "errors": 0}

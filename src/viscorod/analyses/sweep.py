@@ -185,7 +185,8 @@ def _chosen(count: int, members: slice | None) -> range:
         ) from None
     if not chosen:
         why = f"none of the {count} members, which count from 0, is among them"
-        raise InputError(Fault("members", show(members), why, f"give slice(0, {count})"))
+        first, last = (("" if end is None else str(end)) for end in (members.start, members.stop))
+        raise InputError(Fault("members", f"{first}:{last}", why, f"count from 0 to {count - 1}"))
     return chosen
 
 

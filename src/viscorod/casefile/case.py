@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.checks import checked
@@ -97,14 +98,22 @@ def parse_case(text: str, source: Path | None = None) -> Case:
     return case_from_dict(data, source, text)
 
 
-def case_from_dict(data: Mapping[str, Any], source: Path | None = None, text: str = "") -> Case:
-    """Read the content of a case file given as nested dicts and lists; see `load_case`."""
+def case_from_dict(
+    data: Mapping[str, Any], source: Path | None = None, text: str = "", known: KnownParts | None = None
+) -> Case:
+    """Read the content of a case file given as nested dicts and lists; see `load_case`.
+
+    Args:
+        data: the content; source, text: of the file, if there is one.
+        known: parts of a case like this one, such as another member of a sweep; those that are the same are not read
+            again.
+    """
     heading = str(source) if source is not None else "case"
     if deep := too_deep(data):
         why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
         raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)
     plain, conversions, refused = converted(data)
-    reader = CaseReader(plain if source is None else _found_from(source.parent, plain))
+    reader = CaseReader(plain if source is None else _found_from(source.parent, plain), known)
     reader.read(whole=not refused)
     reported = {problem.where for problem in refused}
     problems = [*refused, *(problem for problem in reader.problems if problem.where not in reported)]

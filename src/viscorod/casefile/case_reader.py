@@ -10,6 +10,7 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError, join_path
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity
@@ -82,11 +83,15 @@ ROD_KEYS = (*SECTION_KEYS, "material", *PLAIN_KEYS)
 class CaseReader:
     """Reads the content of one case file; `problems` collects what is wrong with it.
 
+    Args:
+        data: the content, in SI.
+        known: parts of a case that was read before; those that are the same are taken from there.
+
     After `read`, and if `problems` is empty, `title`, `model` and `settings` hold what the file describes.
     """
 
-    def __init__(self, data: Mapping[str, Any]) -> None:
-        self.data = data
+    def __init__(self, data: Mapping[str, Any], known: KnownParts | None = None) -> None:
+        self.data, self._known = data, known
         self.problems: list[Fault] = []
         self.title: str | None = None
         self.model = ModelDescription()
@@ -132,8 +137,14 @@ class CaseReader:
 
     def _parsed(self, path: str, parse: Callable[[Any], T], value: Any) -> T | None:
         """Parse `value`; None, with the problems noted, if it is refused."""
+        found: T | None = None if self._known is None else self._known.find(path, parse, value)
+        if found is not None:
+            return found
         try:
-            return parse(value)
+            found = parse(value)
+            if self._known is not None:
+                self._known.keep(path, parse, value, found)
+            return found
         except (ValidationError, InputError) as error:
             self.problems += [problem.within(path) for problem in problems_of(error, value)]
             return None
@@ -221,7 +232,7 @@ class CaseReader:
         curve: dict[str, Any] = {key: FaultyValue(None, reported=True) for key in meant if key in own}
         curve |= {key: value for key, value in table.items() if key in own and key not in ROD_KEYS}
         given: dict[str, Any] = {key: table[key] for key in PLAIN_KEYS if key in table}
-        given["centreline"] = self._named(path, choose("shape", CENTRELINES), curve)
+        given["centreline"] = self._named(path, _CENTRELINE, curve)
         given["section"] = self._section(path, table, meant)
         if "material" in table:
             material = self._lookup(table["material"], self._materials, "material")
@@ -273,9 +284,7 @@ class CaseReader:
             )
             return FaultyValue(None, reported=True)
         pieces = [self._sections_inside(item, ("section",)) for item in value]
-        parsed = self._named(
-            f"{path}.sections", lambda items: Piecewise.model_validate({"pieces": items}), pieces
-        )
+        parsed = self._named(f"{path}.sections", _piecewise, pieces)
         self.problems = [
             Fault(p.where.replace(f"{path}.sections.pieces", f"{path}.sections"), p.found, p.why, p.instead)
             for p in self.problems
@@ -371,6 +380,13 @@ ENTRIES: dict[str, Callable[[Any], Any]] = {
     "rest_strains": RestStrain.model_validate,
 }
 """How the entries of each list are read."""
+
+
+_CENTRELINE = choose("shape", CENTRELINES)
+
+
+def _piecewise(pieces: Any) -> Piecewise:
+    return Piecewise.model_validate({"pieces": pieces})
 
 
 def _as_material(value: Any) -> Material:

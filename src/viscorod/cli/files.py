@@ -123,7 +123,10 @@ def opened(path: Path) -> Run | Equilibrium | Steady | Modes | Buckling:
     if isinstance(found, Sweep):
         raise InputError(
             Fault(
-                str(path), "", "this is a sweep of several runs", "save one of them: sweep[0].run.save(...)"
+                str(path),
+                "",
+                "this is a sweep of several runs",
+                "save one of them in Python: viscorod.load(path).members[0].result.save(...)",
             )
         )
     if not isinstance(found, Result):

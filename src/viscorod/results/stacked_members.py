@@ -41,10 +41,11 @@ def difference(one: xr.Dataset, other: xr.Dataset) -> str:
         if one.sizes[name] != other.sizes[name] and name != along:
             return f"their numbers of {name}s differ ({one.sizes[name]} and {other.sizes[name]})"
     for name in one.variables:
-        a, b = one[name].values, other[name].values
+        first = one.variables[name]  # arrays of a data set have coordinates, which take longer to find
+        a, b = first.values, other.variables[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            return f"their {_LEVELS.get(along if along in one[name].dims else '', str(name))} differ"
+            return f"their {_LEVELS.get(along if along in first.dims else '', str(name))} differ"
     return ""
 
 
@@ -55,7 +56,7 @@ def stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, An
     fields: dict[str, Any] = {}
     axes: dict[str, Any] = {}
     for name, variable in first.variables.items():
-        columns = [result[name].values for result in results]
+        columns = [result.variables[name].values for result in results]
         states = along in variable.dims and name not in first.dims
         if states or not all(np.array_equal(columns[0], column) for column in columns[1:]):
             built = (("member", *variable.dims), np.stack(columns), dict(variable.attrs))

@@ -16,7 +16,7 @@ from viscorod.results.files.storage import write
 from viscorod.results.quantity_values import HISTORY_TIMES
 from viscorod.results.stacked_members import along_members, difference, stacked
 from viscorod.results.sweep_figures import FIGURES, shown
-from viscorod.results.sweep_members import COMPLETED, SweepMembers, SweepRun
+from viscorod.results.sweep_members import COMPLETED, NOT_RUN, SweepMembers, SweepRun
 from viscorod.results.sweep_record import members_of, record_of
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
@@ -183,15 +183,20 @@ class Sweep(WellNamed, Shown):
 
     def report(self) -> str:
         """Return a table of the members: values, quantities, figures, outcome; then what failed."""
-        listed = self.members[:MOST_ROWS]
+        tried = [k for k, outcome in enumerate(self.members.found.outcomes()) if outcome != NOT_RUN]
+        shown_rows = tried[:MOST_ROWS] or range(min(MOST_ROWS, len(self.members)))
+        listed = [self.members[k] for k in shown_rows]
         figures = [member.figures() for member in listed]
         columns = shown(figures)
         numbers = {
-            name: column[:MOST_ROWS]
+            name: column
             for name, column in self.members.found.quantities.items()
             if name not in self.members.found.histories
         }
-        heads = {name: prefixed(name, column[np.isfinite(column)]) for name, column in numbers.items()}
+        heads = {
+            name: prefixed(name, (some := column[list(shown_rows)])[np.isfinite(some)])
+            for name, column in numbers.items()
+        }
         header = (
             "member",
             *self.parameters,
@@ -211,8 +216,10 @@ class Sweep(WellNamed, Shown):
         ]
         count = f"{len(self.members)} members, {self.count_completed} completed"
         blocks = [table(f"{self.title}: {count}" if self.title else count, header, rows)]
-        if len(self.members) > MOST_ROWS:
+        if len(tried) > MOST_ROWS:
             blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
+        if tried and len(tried) < len(self.members):
+            blocks.append(f"{len(self.members) - len(tried)} members were not run and are not listed")
         blocks += told_members(self.members.found.told(), MOST_MESSAGES)
         blocks += self.notes
         if self.separate:
@@ -236,7 +243,7 @@ class Sweep(WellNamed, Shown):
         Args:
             path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             name: of a number that is drawn alone: a quantity, or another column of ``table``.
-            x: the parameter, by default the first.
+            x: the parameter, by default the first that varies.
             ax: axes of yours to draw into: one number, by default the first.
 
         Returns:

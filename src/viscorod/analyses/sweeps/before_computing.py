@@ -9,6 +9,7 @@ from viscorod.analyses.case_run import discretised_case
 from viscorod.analyses.sweeps.member_work import MemberWork, member_content
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case, case_from_dict
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError
 from viscorod.results.quantities import Quantity
 
@@ -19,11 +20,12 @@ def checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], kee
     """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members."""
     notes: list[str] = []
     problems: dict[tuple[str, str], Fault] = {}
+    known = KnownParts()
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
     for k, row in enumerate(rows):
         try:
-            content, note = member_content(case.content, case.source, row, keep)
-            member = case_from_dict(content, case.source)
+            content, note = member_content(case.content, case.source, row, keep, known)
+            member = case_from_dict(content, case.source, known=known)
             if k == 0 and places:
                 _require_places(member, places)
         except InputError as error:

@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import copy
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -13,6 +12,7 @@ from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.case_keys import put
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import InputError, SolveError, came_of_interrupt
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantity, evaluated
@@ -31,24 +31,36 @@ UNFINISHED = ("interrupted", NOT_RUN)
 
 
 def member_content(
-    content: Mapping[str, Any], source: Path | None, row: Row, keep: bool
+    content: Mapping[str, Any], source: Path | None, row: Row, keep: bool, known: KnownParts | None = None
 ) -> tuple[dict[str, Any], str]:
     """Return the content of the case file of a member, and what was chosen for it.
+
+    Args:
+        content, source: of the case; row: the values of the member.
+        keep: whether its whole result is kept.
+        known: parts of other members.
 
     Raises:
         InputError: there is no such key, or what is there is wrong.
     """
-    own = copy.deepcopy(dict(content))
+    own = _apart(dict(content))
     for key, value in row.items():
         put(own, key, value)
     table = own.get("simulate")
     if keep and isinstance(table, dict) and "output_interval" not in table:
-        settings = case_from_dict(own, source).settings
+        settings = case_from_dict(own, source, known=known).settings
         if not isinstance(settings, SimulateSettings):
             return own, ""
         table["output_interval"] = interval = settings.duration / OUTPUTS
         return own, f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
     return own, ""
+
+
+def _apart(value: Any) -> Any:
+    """Return a content of its own: tables and lists are copied, what they hold never changes."""
+    if isinstance(value, dict):
+        return {key: _apart(item) for key, item in value.items()}
+    return [_apart(item) for item in value] if isinstance(value, list) else value
 
 
 @dataclass(frozen=True)
@@ -60,6 +72,7 @@ class MemberWork:
         quantities: that are computed of its result.
         keep: keep that result.
         folder: of the sweep, if it has one.
+        known: parts of the members before, where they are computed.
     """
 
     content: Mapping[str, Any]
@@ -68,6 +81,7 @@ class MemberWork:
     quantities: tuple[Quantity, ...]
     keep: bool
     folder: SweepFolder | None
+    known: KnownParts = field(default_factory=KnownParts, compare=False, repr=False)
 
     def __call__(
         self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
@@ -75,11 +89,11 @@ class MemberWork:
         """Compute one member and record it."""
         row, name, errors = job
         try:
-            content, _ = member_content(self.content, self.source, row, self.keep)
+            content, _ = member_content(self.content, self.source, row, self.keep, self.known)
         except InputError as error:
             found: Found = None, str(error), "refused"
         else:
-            found = _compute((content, self.title, self.source, errors), tell, stopped)
+            found = _compute((content, self.title, self.source, errors), self.known, tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
         parts = {
@@ -114,11 +128,13 @@ class _Stop:
         return "the sweep was stopped" if self._stopped() else ""
 
 
-def _compute(job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
+def _compute(
+    job: Job, known: KnownParts, tell: Callable[[float], None], stopped: Callable[[], bool]
+) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
     content, title, source, errors = job
     try:
-        case = case_from_dict({"title": title, **content}, source)
+        case = case_from_dict({"title": title, **content}, source, known=known)
         course = case.settings.course
 
         def progress(reached: float, _step: float) -> None:

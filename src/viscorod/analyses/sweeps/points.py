@@ -38,11 +38,21 @@ def require_distributions(distributions: Any) -> None:
         quantiles = getattr(found, "ppf", None)
         if not isinstance(key, str) or not callable(quantiles):
             raise InputError(Fault(str(key), show(found), "this is no distribution", _ADVICE))
+        if _without_parameters(found):
+            why = "this is a kind of distribution; its parameters are not given"
+            raise InputError(Fault(key, f"scipy.stats.{found.name}", why, _ADVICE))
         middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
         if middle.shape != (3,) or not np.isfinite(middle).all():
             why = "its parameters give no numbers, or several"
             advice = "give single numbers, the deviation above 0"
             raise InputError(Fault(key, distribution_text(found), why, advice))
+
+
+def _without_parameters(distribution: Any) -> bool:
+    """Return whether it is one of SciPy's that was not frozen: scipy.stats.norm would be normal about 0."""
+    import scipy.stats as st
+
+    return getattr(st, str(getattr(distribution, "name", "")), None) is distribution
 
 
 def uniform_points(n: int, columns: int, seed: int) -> Floats:

@@ -44,7 +44,7 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
 
     Args:
         sweep: what is drawn.
-        name: of the number that is drawn alone; x: the parameter, by default the first.
+        name: of the number that is drawn alone; x: the parameter, by default the first that varies.
         ax: axes for one number, by default for the first.
 
     Raises:
@@ -58,7 +58,8 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
     table = table.assign(
         **{key: [_text(one) for one in table[key]] for key in listed}
     )  # a list sorts into no group
-    x = _one_of("x", x, sweep.parameters)
+    varied = [key for key in sweep.parameters if table[key].nunique() > 1]
+    x = _one_of("x", x, sweep.parameters) if x is not None or not varied else varied[0]
     known = _numbers(sweep, table)
     asked = [one for one in known if one in sweep.quantities]
     names = (asked or known)[:MOST] if name is None else [_one_of("name", name, known)]
@@ -68,7 +69,7 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         panels = list(picture.subplots(len(names), 1, squeeze=False)[:, 0])
     else:
         names, picture, panels = names[:1], within(ax), [ax]
-    others = [key for key in sweep.parameters if key != x]
+    others = [key for key in varied if key != x]
     for axes, number in zip(panels, names, strict=True):
         _draw(axes, table, x, number, others, legend=axes is panels[0])
     return picture if ax is None else within(panels[0])

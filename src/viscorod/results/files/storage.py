@@ -36,6 +36,16 @@ PIECE = 16e6
 """Bytes that are written at once."""
 SAMPLED, WORTH = 16_384, 0.75
 """Bytes of an array that are compressed to see whether it pays, and what they must shrink to."""
+_TABLE = "Tables are written by pandas: table() of sweeps, probe(...).to_dataframe() of runs, then to_csv or to_excel"
+_PICTURE = "Pictures are written by the methods plot..., such as plot(path)"
+OTHERS = (
+    dict.fromkeys((".csv", ".tsv", ".txt", ".xlsx", ".json"), _TABLE)
+    | dict.fromkeys((".png", ".pdf", ".svg", ".jpg"), _PICTURE)
+    | dict.fromkeys((".vtk", ".vtu", ".vtkhdf"), "ParaView reads what save_paraview writes")
+    | dict.fromkeys((".mat", ".npz"), "xarray.open_dataset reads it; linear systems alone are saved so")
+    | {".parquet": "Sweeps alone are saved as Parquet", ".zarr": "Sweeps alone are saved as stores"}
+)
+"""Suffixes of other formats, and what writes these."""
 IN_MEMORY = "the result is still in memory: make room, or save it to another place"
 
 
@@ -62,9 +72,14 @@ def write(
         piece: bytes that are written at once.
 
     Raises:
-        InputError: the place cannot be written; what was there is still there.
+        InputError: the place cannot be written, or its name is that of another format; what was there is still there.
     """
     path, parts = Path(path), {"": data, **(groups or {})}
+    if path.suffix.lower() in OTHERS:
+        raise InputError(
+            f"{path}: a result is saved as netCDF4, in one file with all of its numbers; end the name in .nc. "
+            f"{OTHERS[path.suffix.lower()]}"
+        )
     needs = sum(part.nbytes for part in parts.values())
     with replacing(path, needs=needs, instead=instead) as new:
         with hdf5_output(new) as output:

@@ -2,7 +2,8 @@
 
 ``sweep.json`` has the values and the names of all members. Every thread that computes appends its finished members to a
 file of its own in ``members``, one line of JSON each, so that nothing is shared and a process that is killed loses
-the member that it was at and no other. Whole results, where they are kept, are netCDF files beside these.
+the member that it was at and no other. Whole results, where they are kept, are appended to a second file of the same
+thread before their lines are (see ``packed_results``).
 """
 
 from __future__ import annotations
@@ -21,6 +22,7 @@ import numpy as np
 from viscorod.errors import InputError, reading
 from viscorod.results.ensemble import Ensemble
 from viscorod.results.ensemble_design import Design
+from viscorod.results.files.packed_results import PackedResult, append
 from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
 from viscorod.results.sweep_result import Sweep
 from viscorod.whole_files import replacing
@@ -33,6 +35,7 @@ __all__ = ["MANIFEST", "SweepFolder"]
 MANIFEST = "sweep.json"
 DESIGN = "ensemble.json"
 MEMBERS = "members"
+RESULTS = ".results"
 
 
 @dataclass(frozen=True)
@@ -81,18 +84,25 @@ class SweepFolder:
         with replacing(self.path / MANIFEST, needs=len(text), instead="name another folder") as new:
             new.write_text(text, encoding="utf-8")
 
-    def add(self, name: str, found: Mapping[str, Any], result: AnyResult | None) -> Path | None:
-        """Keep a finished member; returns the file of its result, if that is kept."""
+    def add(self, name: str, found: Mapping[str, Any], result: AnyResult | None) -> PackedResult | None:
+        """Keep a finished member; returns where its result lies, if that is kept.
+
+        Raises:
+            OSError: it cannot be written.
+        """
         members = self.path / MEMBERS
-        file = None if result is None else result.save(members / f"{name}.nc")
-        line = json.dumps({"name": name, "file": file is not None, **found}, default=plain)
-        own = f"{socket.gethostname()}-{os.getpid()}-{threading.get_native_id()}.jsonl"
-        with (members / own).open("a", encoding="utf-8") as lines:
+        own = f"{socket.gethostname()}-{os.getpid()}-{threading.get_native_id()}"
+        stored = None if result is None else append(members / f"{own}{RESULTS}", result.data)
+        place = None if stored is None else (stored.path.name, stored.offset, stored.length)
+        line = json.dumps({"name": name, "result": place, **found}, default=plain)
+        with (members / f"{own}.jsonl").open("a", encoding="utf-8") as lines:
             lines.write(f"\n{line}\n")  # what was torn off before it stays a line of its own
-        return file
+        return stored
 
     def take(self, names: Sequence[str], found: FoundMembers) -> None:
-        """Take what was found of the members with these names; lines that were cut off do not count.
+        """Take what was found of the members with these names.
+
+        Lines that were cut off do not count, and lines of results that are not there.
 
         Raises:
             InputError: the record of one is damaged.
@@ -106,8 +116,13 @@ class SweepFolder:
                 places[name] = number
         for name, record in self._finished():
             place = places.get(name, []) if name else []
+            if place == []:
+                continue
+            parts = self._parts(name, record)
+            if isinstance(parts[0], PackedResult) and not parts[0].there:
+                continue
             for number in place if isinstance(place, list) else [place]:
-                found[number] = self._parts(name, record)
+                found[number] = parts
 
     def _finished(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield names and records of all members that are finished."""
@@ -129,7 +144,7 @@ class SweepFolder:
         """
         try:
             return (
-                self.path / MEMBERS / f"{name}.nc" if record.get("file") else None,
+                self._stored(name, record),
                 str(record["message"]),
                 str(record["outcome"]),
                 {str(key): _number(value) for key, value in record["quantities"].items()},
@@ -140,6 +155,15 @@ class SweepFolder:
                 f"{self.path}: the record of a member is damaged; remove the files in {MEMBERS} and "
                 "compute the sweep again"
             ) from None
+
+    def _stored(self, name: str, record: Mapping[str, Any]) -> PackedResult | Path | None:
+        """Return where the result of a member is, if it is kept."""
+        if record.get("file"):  # as the first versions kept it
+            return self.path / MEMBERS / f"{name}.nc"
+        if not record.get("result"):
+            return None
+        file, offset, length = record["result"]
+        return PackedResult(self.path / MEMBERS / Path(str(file)).name, int(offset), int(length))
 
     def load(self) -> Sweep:
         """Return the sweep, finished or not.

@@ -158,7 +158,7 @@ class _Stack:
                     variables[name] = (variable.dims, variable.values, variable.attrs)
                     encoding[name] = {"_FillValue": None}
                 continue
-            values = np.stack([data[name].values for _, data in self._block])
+            values = np.stack([data.variables[name].values for _, data in self._block])
             variables[name] = (("member", *variable.dims), values, variable.attrs)
             pieces = {"chunks": (self._size, *values.shape[1:]), "compressors": _compressors()}
             encoding[name] = {"_FillValue": None, **pieces}  # results hold no gaps to mark
@@ -173,7 +173,7 @@ class _Stack:
 
 def _alike(data: xr.Dataset, name: Any) -> bool:
     """Return whether a variable is the same in all results that are stacked: axes and words are."""
-    return name in data.dims or data[name].dtype.kind not in "fiub"
+    return name in data.dims or data.variables[name].dtype.kind not in "fiub"
 
 
 def read_store(path: str | Path) -> Sweep:
@@ -210,6 +210,7 @@ class _Fields:
         self._common = dict(about.get("attributes", {}))
         self.rows = {int(number): row for row, number in enumerate(about.get("stacked", []))}
         self._data: xr.Dataset | None = None
+        self._block: tuple[int, xr.Dataset] | None = None
 
     @property
     def data(self) -> xr.Dataset:
@@ -251,9 +252,20 @@ class _Fields:
         """Return the whole result of a member."""
         changed = json.loads(attributes)
         with _unreadable(self.path):
-            whole = self.data.isel(member=self.rows[number]).drop_vars("member").load()
+            first, block = self._block_of(self.rows[number])
+            whole = block.isel(member=self.rows[number] - first).drop_vars("member").copy(deep=True)
         whole.attrs = {k: v for k, v in (self._common | changed).items() if v is not None}
         return result_of(whole, self.path)
+
+    def _block_of(self, row: int) -> tuple[int, xr.Dataset]:
+        """Return the members that lie in one piece with that of a row, and the first row of these; the last is kept."""
+        arrays = [v for v in self.data.variables.values() if v.ndim > 1 and v.dims[0] == "member"]
+        size = max((int(v.encoding["chunks"][0]) for v in arrays), default=1)
+        first = row - row % size
+        if self._block is None or self._block[0] != first:
+            self._block = None  # one is in memory at a time
+            self._block = first, self.data.isel(member=slice(first, first + size)).load()
+        return self._block
 
     def parts(self) -> tuple[dict[str, Any], dict[str, Any]]:
         """Return variables and coordinates of all members, read on access."""
