@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import quantity, row
 from viscorod.model.fields.metadata import Key, accepts
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
@@ -52,13 +53,13 @@ class InitialStrain(Definition):
         """Return the strains (6,) at the arc length `s`."""
         if not callable(self.value):
             return np.array(self.value)
-        result = self.value(s)
-        try:
-            return np.array(six_strains(result))
-        except ValueError as error:
-            raise RefusedError(
-                f"the function of the initial strain gave this at s = {s:.6g}: {error}",
-                "return six numbers",
-                found=show(result),
-                at=("value",),
-            ) from None
+        strains = returned(
+            self.value,
+            s,
+            check=six_strains,
+            name=f"the function of the initial strain of {self.rod!r}",
+            where=f"at s = {s:.6g} m",
+            instead="return six numbers",
+            at=("value",),
+        )
+        return np.array(strains)

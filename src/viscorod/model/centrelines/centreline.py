@@ -16,6 +16,7 @@ from typing import ClassVar, TypeAlias
 import numpy as np
 
 from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import number
 from viscorod.typing import Floats
 
@@ -96,16 +97,15 @@ class Centreline(Definition):
 
 
 def _angle(twist: Callable[[float], float], s: float) -> float:
-    angle = twist(s)
-    try:
-        return number(angle)
-    except RefusedError as error:
-        raise RefusedError(
-            f"the function of the twist gave this at s = {s:.6g}: {error.why}",
-            "make it return an angle in rad everywhere",
-            found=show(angle),
-            at=("twist",),
-        ) from None
+    return returned(
+        twist,
+        s,
+        check=number,
+        name="the function of the twist",
+        where=f"at s = {s:.6g} m",
+        instead="make it return an angle in rad everywhere",
+        at=("twist",),
+    )
 
 
 def cross(a: Floats, b: Floats) -> Floats:

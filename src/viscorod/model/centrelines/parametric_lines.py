@@ -18,6 +18,7 @@ from viscorod.model.centrelines.smooth_curve import SmoothCurve, chebyshev_curve
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts, optional
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import (
     TRIPLE,
     OptionalText,
@@ -177,9 +178,13 @@ class ParametricCurve(_Parametric):
         return SmoothCurve(*chebyshev_curve(self._point))
 
     def _point(self, u: float) -> Floats:
-        try:
-            return np.array(vector(self.function(u)))
-        except RefusedError as error:
-            raise RefusedError(
-                f"it does not return a point: {error.why}", error.instead, at=("function",)
-            ) from None
+        point = returned(
+            self.function,
+            u,
+            check=vector,
+            name="the function of the curve",
+            where=f"at u = {u:.6g}",
+            instead="make it return a point, three numbers in m, for every u from 0 to 1",
+            at=("function",),
+        )
+        return np.array(point)

@@ -7,8 +7,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import accepts
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import TRIPLE, vector
 from viscorod.typing import Floats
 
@@ -37,13 +37,12 @@ def tilts(given: Tilt, s: Floats) -> Floats:
 
 
 def _at(given: Callable[[float], Sequence[float]], s: float) -> tuple[float, ...]:
-    result = given(s)
-    try:
-        return vector(result)
-    except RefusedError as error:
-        raise RefusedError(
-            f"the function of the tilt gave this at s = {s:.6g}: {error.why}",
-            "make it return a rotation vector in rad everywhere",
-            found=show(result),
-            at=("tilt",),
-        ) from None
+    return returned(
+        given,
+        s,
+        check=vector,
+        name="the function of the tilt",
+        where=f"at s = {s:.6g} m",
+        instead="make it return a rotation vector in rad everywhere",
+        at=("tilt",),
+    )
