@@ -99,10 +99,13 @@ def test_functions_of_parts_fail_where_the_part_is_made(make, said):
     ],
 )
 def test_functions_of_a_model_fail_with_their_owner(add, said):
-    model = beam()
-    with pytest.raises(vr.InputError, match=f"{said}.*LookupError: no data there"):
+    def loaded():
+        model = beam()
         add(model)
         model.simulate(0.01, initial="reference")
+
+    with pytest.raises(vr.InputError, match=f"{said}.*LookupError: no data there"):
+        loaded()
 
 
 def moved(model):
