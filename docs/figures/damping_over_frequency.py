@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from look import dressed
 from matplotlib.figure import Figure
-from matplotlib.ticker import FuncFormatter, NullFormatter
+from matplotlib.ticker import FuncFormatter, LogLocator, NullFormatter
 
 import viscorod as vr
 
@@ -157,6 +157,8 @@ def draw(blades: list[Blade]) -> None:
         ratios.set_ylim(0.5 * low, 2.0 * high)
         ratios.yaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
         ratios.yaxis.set_minor_formatter(NullFormatter())
+        if high < 100.0 * low:  # less than two powers of ten: numbers between them too
+            ratios.yaxis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
         for axes in (curve, ratios):
             axes.set_xlim(*blade.band)
             axes.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))

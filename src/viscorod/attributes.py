@@ -110,6 +110,12 @@ class ByName(dict[str, T]):
         )
         raise UnknownNameError(Fault(f"{self._nouns}[{name!r}]", "", "nothing has this name", advice))
 
+    def __getattr__(self, name: str) -> Any:
+        """Refuse a name that is asked for with a dot, and say how parts are asked for."""
+        if name.startswith("_"):
+            raise AttributeError(name)
+        raise UnknownAttributeError(self._nouns, name, [f"[{part!r}]" for part in self])
+
     def __reduce__(self) -> tuple[Any, ...]:
         return type(self), (self._nouns,), None, None, iter(self.items())
 

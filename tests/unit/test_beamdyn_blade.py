@@ -168,6 +168,19 @@ def test_any_rod_becomes_a_blade(tmp_path):
     assert len(vd.blade_from_rod(rod)[0].stations) == 11
 
 
+def test_key_points_of_a_rod_in_another_direction_are_those_of_the_turned_rod():
+    """Of the same arc, started along +Z and along +X: 80 degrees of a circle, from its root on."""
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    given = {"section": vr.Rectangle(0.01, 0.02), "material": steel, "twist": 0.4}
+    upright = vr.Rod.arc((0, 0, 0), (0, 0, 1), (1, 0, 0), 2.0, np.deg2rad(80), d1=(1, 0, 0), **given)
+    lying = vr.Rod.arc((3, 4, 5), (1, 0, 0), (0, 1, 0), 2.0, np.deg2rad(80), d1=(0, 1, 0), **given)
+    stations = [0.0, 0.5, 1.0]
+    assert vd.key_points(lying, stations) == pytest.approx(vd.key_points(upright, stations), abs=1e-12)
+    assert vd.key_points(upright, stations)[-1, [0, 2]] == pytest.approx(
+        [2.0 * (1.0 - np.cos(np.deg2rad(80))), 2.0 * np.sin(np.deg2rad(80))], rel=1e-12
+    )
+
+
 def test_times_that_change_along_a_rod_are_told():
     def section(s):
         return vr.StiffnessSection([1.0] * 6, [1.0] * 6, [0.01 * (1.0 + s)] * 6)

@@ -374,6 +374,8 @@ def test_files_that_cannot_be_read(tmp_path):
         load_case(tmp_path / "swng.toml")
     with pytest.raises(InputError, match="there is no such file; give the path"):
         load_case(tmp_path / "nowhere" / "swing.toml")
+    with pytest.raises(InputError, match=r"shipped case .*: viscorod example helix_spring copies it"):
+        load_case(tmp_path / "helix_spring.toml")
     with pytest.raises(InputError, match="this is a folder"):
         load_case(tmp_path)
     (tmp_path / "binary.toml").write_bytes(b"\xff\xfe\x00")

@@ -254,6 +254,10 @@ def test_check_draws_the_model_where_it_is_told(invoke, tmp_path):
     refused = invoke("check", "cantilever_swing.toml", "-o", "taken")
     assert refused.exit_code == 2
     assert "taken cannot be written" in refused.stderr
+    refused = invoke("check", "cantilever_swing.toml", "-o", "drawing.png")
+    assert refused.exit_code == 2
+    assert "drawing.png: this is the name of a file" in refused.stderr
+    assert not (tmp_path / "drawing.png").exists()
 
 
 def test_example_lists_and_copies(invoke, tmp_path):

@@ -20,6 +20,7 @@ def invoke(monkeypatch, tmp_path):
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("COLUMNS", "200")
     (tmp_path / "swing.toml").write_bytes(shipped_case("cantilever_swing").read_bytes())
+    (tmp_path / "turns_back.toml").write_bytes(shipped_case("helix_spring").read_bytes())
     (tmp_path / "four_bar.toml").write_bytes(shipped_case("four_bar").read_bytes())
     (tmp_path / "blade.dat").write_text(blade_text())
     (tmp_path / "primary.dat").write_text(PRIMARY)
@@ -233,7 +234,7 @@ def test_beams_of_the_other_program_and_of_cases(invoke, tmp_path):
         (("blade", "blade.dat", "--length", 1, "--centreline", "primary.dat"), "exactly one of --centreline"),
         (("blade", "no.dat", "--length", 1), "the file cannot be read"),
         (("blade", "swing.toml", "-o", "swing.toml/x.json"), "cannot be written"),
-        (("blade", "swing.toml", "-o", "x.dat"), "BeamDyn's blades run along +Z from root to tip"),
+        (("blade", "turns_back.toml", "-o", "x.dat"), "BeamDyn's blades run along +Z from root to tip"),
     ],
 )
 def test_wrong_input_is_one_message_and_exit_code_2(invoke, arguments, message):

@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.casefile.shipped import shipped_case
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +52,36 @@ def test_copies_and_loaded_results_are_equal(model, analysis, tmp_path):
     changed.data[name] = changed.data[name] * 1.5 + 1.0
     assert changed != result
     assert result not in (model, 1.0, "text")
+
+
+def test_sweeps_are_equal_by_their_members(tmp_path):
+    """A copy, what was saved and loaded, and the same computed again; not one of other values."""
+    case = vr.load_case(shipped_case("cantilever_swing"))
+
+    def computed(*durations):
+        return vr.sweep(
+            case,
+            {"simulate.duration": list(durations)},
+            quantities={"tip": ("displacement", "beam.end", "y", "last")},
+            workers=1,
+            errors=0,
+        )
+
+    sweep = computed(0.02, 0.03)
+    sweep.save(tmp_path / "sweep.nc")
+    for other in (copy.deepcopy(sweep), computed(0.02, 0.03), vr.load(tmp_path / "sweep.nc")):
+        assert other == sweep
+        assert hash(other) == hash(sweep)
+    assert computed(0.02, 0.04) != sweep
+
+
+def test_parts_by_name_say_how_they_are_asked_for(model):
+    with pytest.raises(
+        AttributeError, match=r"rods\.beam: there is no attribute 'beam'; did you mean \['beam'\]"
+    ):
+        _ = model.rods.beam
+    assert not hasattr(model.rods, "_anything")
+    assert copy.deepcopy(model.rods) == model.rods
 
 
 def test_accounts_decays_and_matrices_are_compared_by_their_numbers(model):

@@ -51,7 +51,7 @@ def test_density_of_distributed_loads():
     load_ = DistributedForce("beam", lambda s: (0, s, 0), True, from_s=0.1, to_s=0.2)
     assert load_.density(0.15) == pytest.approx([0, 0.15, 0])
     assert (load_.from_s, load_.to_s) == (0.1, 0.2)
-    with pytest.raises(InputError, match=r"at s = 0.1: 3 numbers"):
+    with pytest.raises(InputError, match=r"at s = 0.1 m: 3 numbers"):
         DistributedForce("beam", lambda s: (0, s)).density(0.1)
 
 

@@ -137,7 +137,7 @@ def test_as_a_table():
             "Taper.torsion_constant",
             "one end only",
         ),
-        (lambda: straight(lambda s: 3), "Rod", "returned no section"),
+        (lambda: straight(lambda s: 3), "Rod.section", "this is no section"),
         (lambda: straight("square"), "Rod.section", "a section is needed"),
         (
             lambda: Rod.straight((0, 0, 0), (1e-300, 0, 0), section=SQUARE, material=STEEL),

@@ -12,6 +12,7 @@ import typer
 
 import viscorod
 import viscorod.programs
+from viscorod.casefile.shipped import shipped_cases
 from viscorod.cli.app import app
 
 PAGES = Path(__file__).parents[2] / "docs" / "reference"
@@ -152,4 +153,19 @@ def test_names_in_the_text_of_pages_exist(page):
         for owner, name in re.findall(r"\b(vr|model|run)\.([a-z_A-Z]\w*)", code)
         if not hasattr(owners[owner], name) and name not in set_on_objects | files
     ]
+    assert missing == []
+
+
+def test_pages_that_use_a_shipped_case_say_how_to_copy_it():
+    """Before the code in which it stands: a reader begins with an empty folder."""
+    shipped, docs, missing = set(shipped_cases()), PAGES.parent, []
+    for page in sorted(path for path in docs.rglob("*.md") if "_build" not in path.parts):
+        text = page.read_text(encoding="utf-8")
+        for block in re.finditer(r"^```[^\n]*\n(.*?)^```", text, re.DOTALL | re.MULTILINE):
+            for use in re.finditer(r"([\w-]+)\.toml", block[1]):
+                if (
+                    use[1] in shipped
+                    and f"viscorod example {use[1]}" not in text[: block.start(1) + use.start()]
+                ):
+                    missing.append(f"{page.relative_to(docs)}: {use[0]}")
     assert missing == []

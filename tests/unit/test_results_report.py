@@ -1,6 +1,7 @@
 """Reports and the warnings in them."""
 
 import json
+import re
 
 import numpy as np
 import pytest
@@ -33,6 +34,15 @@ def test_run_report_says_what_the_user_asks():
     )
     assert lines[-1] == "No warnings"
     assert "nan" not in report.lower()
+
+
+def test_columns_of_the_energy_account_never_run_together():
+    """Not with a negative part of four digits below zero either: -1e-6 of what moved, beside positive ones."""
+    account = Run(swing(leak=-1.44123e-6)).energy
+    rows = [line for line in str(account).splitlines() if line.endswith("of what moved")]
+    assert any("e-0" in line or "-0.00014" in line for line in rows)
+    for line in rows:
+        assert re.search(r"\d [µm]?J +\S+ % of what moved$", line) or line.startswith("  largest"), line
 
 
 def test_report_of_steps_that_follow_the_error():

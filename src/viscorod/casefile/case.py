@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 
 from viscorod.casefile.case_reader import ANALYSES, CaseReader
 from viscorod.casefile.known_parts import KnownParts
+from viscorod.casefile.shipped import shipped_cases
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.checks import checked
@@ -149,6 +150,8 @@ def _content(path: Path) -> str:
         if path.parent.is_dir():
             close = nearest(path.name, sorted(other.name for other in path.parent.glob("*.toml")))
             instead = f"did you mean {path.parent / close}?" if close else instead
+        if path.suffix == ".toml" and path.stem in shipped_cases():
+            instead = f"a shipped case has this name: viscorod example {path.stem} copies it"
         problem = Fault("file", str(path), "there is no such file", instead)
     except IsADirectoryError:
         problem = Fault("file", str(path), "this is a folder", "give the path of a case file in it")

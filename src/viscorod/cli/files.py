@@ -46,12 +46,20 @@ def _hint(case: Path) -> str:
     return f"name a case file, or copy one with: viscorod example {known}"
 
 
+_ENDINGS = frozenset({".csv", ".gif", ".html", ".mp4", ".nc", ".pdf", ".png", ".svg", ".toml"})
+"""Of names that are no folders."""
+
+
 def writable(folder: Path) -> Path:
     """Return a folder that can be written, before anything is computed for it.
 
     Raises:
-        InputError: it cannot be written.
+        InputError: it cannot be written, or has the name of a file.
     """
+    if folder.suffix in _ENDINGS and not folder.is_dir():
+        raise InputError(
+            f"{folder}: this is the name of a file, and several are written into a folder: name one with -o"
+        )
     there = next(path for path in (folder, *folder.absolute().parents) if path.exists())
     if not there.is_dir() or not os.access(there, os.W_OK | os.X_OK):
         raise InputError(

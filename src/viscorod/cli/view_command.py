@@ -47,7 +47,7 @@ def view(
         from viscorod.pictures.viewer.writing import FRAMES
         from viscorod.results.files.storage import load
 
-        others = [motion(path, "--beside") for path in beside or []]
+        others = {str(path): motion(path, "--beside") for path in beside or []}
         target = output or result.with_suffix(".html")
         page = write(load(result), target, frames=frames or FRAMES, beside=others)
         written([page], f" ({page.stat().st_size / 1e6:.1f} MB)", first=True)

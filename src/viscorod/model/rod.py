@@ -19,9 +19,9 @@ from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight
 from viscorod.model.centrelines.parametric_lines import ParametricCurve, ThroughPoints
 from viscorod.model.centrelines.tilt import Tilt, tilts
 from viscorod.model.centrelines.tilt import tilt as as_tilt
-from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.definition import Definition
 from viscorod.model.fields.metadata import Key
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import Flag, OptionalDirection, choose
 from viscorod.model.materials.material import Material
 from viscorod.model.rod_checks import material_value, require_consistent, twist_value, whole_or_auto
@@ -31,7 +31,12 @@ from viscorod.model.sections.curved_section import curved_branches, curved_matri
 from viscorod.model.sections.law_base import AnySectionLaw
 from viscorod.model.sections.section_base import AnySection, Branches, Matrices
 from viscorod.model.sections.section_laws import section_law
-from viscorod.model.sections.section_profile import Piecewise, SectionProfile, section_profile
+from viscorod.model.sections.section_profile import (
+    Piecewise,
+    SectionProfile,
+    one_of_sections,
+    section_profile,
+)
 from viscorod.model.sections.section_stations import Stations
 from viscorod.model.sections.taper import Taper
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
@@ -205,20 +210,15 @@ class Rod(AlongCurves, Definition):
             return self.section.at(min(max(s / self.length, 0.0), 1.0))
         if isinstance(self.section, AnySection):
             return self.section
-        section = users_result(
+        return returned(
             self.section,
             s,
-            of="the section",
-            where=f"s = {s:.6g}",
-            instead="make it return a section everywhere",
+            check=one_of_sections,
+            name="the function of the section",
+            where=f"at s = {s:.6g} m",
+            instead="make it return a section, such as Rectangle(0.02, 0.01), everywhere on the rod",
+            at=("section",),
         )
-        if not isinstance(section, AnySection):
-            raise RefusedError(
-                f"the function of the section returned no section at s = {s:.6g}",
-                "return one",
-                found=show(section),
-            )
-        return section
 
     def _made_of(self, s: float) -> tuple[AnySection, Material | None]:
         """Return the section at the arc length `s`, and the material if it needs one."""

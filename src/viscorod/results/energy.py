@@ -140,12 +140,12 @@ class Energy(Shown, Alike):
                 f"moved: {number(scale * moved)} {unit})"
             )
         ]
-        for name, value in values.items():
-            part = percent(value / moved) if moved > 0.0 else ""
-            amount = number(scale * float(value), size=1e-2 * size)
-            lines.append(
-                f"  {name:<28s}{amount:>14s} {unit}{f'{part:>12s} of what moved' if part else ''}".rstrip()
-            )
+        amounts = [number(scale * float(value), size=1e-2 * size) for value in values.values()]
+        parts = [percent(value / moved) if moved > 0.0 else "" for value in values.values()]
+        wide, narrow = max(14, *map(len, amounts)), max(12, *(len(part) + 1 for part in parts))
+        for name, amount, part in zip(values, amounts, parts, strict=True):
+            told = f"{part:>{narrow}s} of what moved" if part else ""
+            lines.append(f"  {name:<28s}{amount:>{wide}s} {unit}{told}")
         most = f"{100.0 * self.numerical_fraction:.3g} %"
         lines.append(f"  largest numerical remainder: {most} of what moved")
         return "\n".join(lines)

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
@@ -39,7 +40,7 @@ MOST_ROWS, MOST_MESSAGES = 60, 20
 """Members and messages that a report lists; a table has all."""
 
 
-class Sweep(WellNamed, Shown):
+class Sweep(WellNamed, Shown, Alike):
     """The members of a sweep, in the order of their values.
 
     Attributes:
@@ -57,6 +58,18 @@ class Sweep(WellNamed, Shown):
         self.members = members
         self.title = title
         self.notes = tuple(notes)
+
+    def _content(self) -> Any:
+        """Return what makes sweeps equal: what was asked for and found, but not how long it took."""
+        members = [
+            (one.values, one.message, one.outcome, one.quantities, one.result, numbers)
+            for one in self.members
+            for numbers in [{name: one.measured.get(name) for name in FIGURES if name != "wall_time_s"}]
+        ]
+        return {"title": self.title, "notes": self.notes, "members": members}
+
+    def __hash__(self) -> int:
+        return hash((type(self), self.title, len(self.members)))
 
     def _facts(self) -> Iterator[str]:
         yield counted(len(self.members), "member")

@@ -55,7 +55,7 @@ def blade(
 
         import numpy as np
 
-        from viscorod.programs.blades.beamdyn_line import key_points
+        from viscorod.programs.blades.beamdyn_line import key_points, starts_along_z
         from viscorod.programs.blades.blade_rod import BladeSections, blade_from_rod, write_beamdyn_blade
         from viscorod.programs.blades.gxbeam_assembly import gxbeam_from_rod
         from viscorod.programs.case_text import case_text
@@ -104,9 +104,13 @@ def blade(
             say(f"\nWritten: {output}, with {elements} sections")
             return
         points = key_points(chosen, found.stations)
+        turned = (
+            "" if starts_along_z(chosen) else ", the rod turned so that d1, d2, d3 at its root are X, Y, Z"
+        )
         write_beamdyn_blade(chosen, output, found.stations)
         say(
-            f"\nWritten: {output}\nKey points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]):"
+            f"\nWritten: {output}\n"
+            f"Key points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]){turned}:"
         )
         for row in points:
             say("  " + "  ".join(f"{value: .10E}" for value in row))

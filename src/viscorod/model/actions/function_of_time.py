@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
 from viscorod.model.actions.time_function import TimeFunction
-from viscorod.model.fields.definition import RefusedError, base_init, show
+from viscorod.model.fields.definition import RefusedError, base_init
 from viscorod.model.fields.metadata import accepts, optional
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import function, number, numbers
 
 __all__ = ["FunctionOfTime"]
@@ -41,6 +41,7 @@ class FunctionOfTime(TimeFunction):
     rate_function: OptionalFunction = None
     acceleration_function: OptionalFunction = None
     break_times: Annotated[Sequence[float], _times] = ()
+    _of: str = ""
 
     @base_init
     def __init__(
@@ -95,16 +96,20 @@ class FunctionOfTime(TimeFunction):
                 found="a function of time without rate and acceleration",
             )
 
+    def of(self, owner: str) -> Self:
+        """Return the function with what it belongs to, for messages."""
+        named = self.model_copy()
+        named._of = f"{owner}: "
+        return named
+
     def _call(self, function: Callable[[float], float] | None, t: float, before: bool) -> float:
         assert function is not None
         at = math.nextafter(t, -math.inf) if before and t in self.break_times else t
-        instead = "make it return a finite number at all times"
-        result = users_result(function, at, of="time", where=f"t = {t:.9g} s", instead=instead)
-        try:
-            return number(result)
-        except RefusedError as error:
-            raise RefusedError(
-                f"the function of time gave this at t = {t:.9g} s: {error.why}",
-                instead,
-                found=show(result),
-            ) from None
+        return returned(
+            function,
+            at,
+            check=number,
+            name=f"{self._of}the function of time",
+            where=f"at t = {t:.9g} s",
+            instead="make it return a finite number at all times",
+        )

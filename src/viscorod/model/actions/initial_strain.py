@@ -10,7 +10,7 @@ import numpy as np
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import quantity, row
 from viscorod.model.fields.metadata import Key, accepts
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import Name, number, sequence
 from viscorod.typing import Floats
 
@@ -53,20 +53,13 @@ class InitialStrain(Definition):
         """Return the strains (6,) at the arc length `s`."""
         if not callable(self.value):
             return np.array(self.value)
-        result = users_result(
+        strains = returned(
             self.value,
             s,
-            of="the initial strain",
-            where=f"s = {s:.6g}",
+            check=six_strains,
+            name=f"the function of the initial strain of {self.rod!r}",
+            where=f"at s = {s:.6g} m",
             instead="return six numbers",
             at=("value",),
         )
-        try:
-            return np.array(six_strains(result))
-        except ValueError as error:
-            raise RefusedError(
-                f"the function of the initial strain gave this at s = {s:.6g}: {error}",
-                "return six numbers",
-                found=show(result),
-                at=("value",),
-            ) from None
+        return np.array(strains)

@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from typing import Annotated, ClassVar, Self, TypeAlias
+from typing import Annotated, Any, ClassVar, Self, TypeAlias
 
 import numpy as np
 from pydantic import model_validator
 
-from viscorod.model.fields.definition import Definition, RefusedError, show
+from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.fields.metadata import Key, optional
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import Name, Vector, function, sequence, vector
 from viscorod.typing import Floats
 
@@ -48,21 +48,19 @@ class InitialVelocity(Definition):
         if self.field is None:
             angular = np.array(self.angular)
             return np.array(self.linear) + np.cross(angular, position - np.array(self.point)), angular
-        result = users_result(
+        return returned(
             self.field,
             s,
-            of="the initial velocity",
-            where=f"s = {s:.6g}",
-            instead="return two vectors of three numbers",
+            check=_two_vectors,
+            name=f"the function of the initial velocity of {self.rod!r}",
+            where=f"at s = {s:.6g} m",
+            instead="return two vectors of three numbers, velocity and angular velocity",
             at=("field",),
         )
-        try:
-            linear, turning = sequence(result)
-            return np.array(vector(linear)), np.array(vector(turning))
-        except ValueError as error:
-            raise RefusedError(
-                f"the function of the initial velocity gave this at s = {s:.6g}: {error}",
-                "return two vectors of three numbers",
-                found=show(result),
-                at=("field",),
-            ) from None
+
+
+def _two_vectors(value: Any) -> tuple[Floats, Floats]:
+    both = sequence(value)
+    if len(both) != 2:
+        raise RefusedError("two vectors are needed here")
+    return np.array(vector(both[0])), np.array(vector(both[1]))

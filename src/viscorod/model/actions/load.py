@@ -20,9 +20,9 @@ from viscorod.model.actions.load_effects import Arrows, Placing
 from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField
-from viscorod.model.fields.definition import RefusedError, show, some_of
+from viscorod.model.fields.definition import RefusedError, some_of
 from viscorod.model.fields.metadata import Key, accepts
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import (
     TRIPLE,
     Flag,
@@ -121,25 +121,18 @@ class _Distributed(AlongRod):
 
     def density(self, s: float) -> Floats:
         """Load per reference length (3,) at the arc length `s`, without factor and limits."""
-        value = self.value
-        if callable(value):
-            value = users_result(
-                value,
-                s,
-                of="the load",
-                where=f"s = {s:.6g}",
-                instead="return three finite numbers",
-                at=("value",),
-            )
-        try:
-            return np.array(vector(value))
-        except RefusedError as error:
-            raise RefusedError(
-                f"the function of the load gave this at s = {s:.6g}: {error.why}",
-                "return three finite numbers",
-                found=show(value),
-                at=("value",),
-            ) from None
+        if not callable(self.value):
+            return np.array(self.value)
+        value = returned(
+            self.value,
+            s,
+            check=vector,
+            name=f"the function of the {self.word} along {self.rod!r}",
+            where=f"at s = {s:.6g} m",
+            instead="return three finite numbers",
+            at=("value",),
+        )
+        return np.array(value)
 
     def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
         yield from super().misfits(model)

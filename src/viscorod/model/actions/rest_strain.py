@@ -13,12 +13,12 @@ from pydantic import model_validator
 
 from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.initial_strain import six_strains, strain_field
-from viscorod.model.actions.time_function import Constant
-from viscorod.model.actions.time_function_kinds import TimeField
+from viscorod.model.actions.time_function import Constant, TimeFunction
+from viscorod.model.actions.time_function_kinds import TimeField, time_function
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.forms import listed, quantity, row
 from viscorod.model.fields.metadata import Key, accepts, optional
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import Name, OptionalNumber, numbers, sequence
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_base import AnySection
@@ -157,24 +157,17 @@ class RestStrain(Definition):
         if not callable(self.value):
             return np.array(self.value, dtype=float)
         given: Callable[..., Any] = self.value
-        when = f", t = {t:.9g}" if self.sees_time else ""
-        result = users_result(
+        when = f", t = {t:.9g} s" if self.sees_time else ""
+        strains = returned(
             given,
-            *([s, t] if self.sees_time else [s]),
-            of="the rest strain",
-            where=f"s = {s:.6g}{when}",
+            *((s, t) if self.sees_time else (s,)),
+            check=six_strains,
+            name=f"the function of the rest strain of {self.rod!r}",
+            where=f"at s = {s:.6g} m{when}",
             instead="return six numbers",
             at=("value",),
         )
-        try:
-            return np.array(six_strains(result))
-        except ValueError as error:
-            raise RefusedError(
-                f"the function of the rest strain gave this at s = {s:.6g}{when}: {error}",
-                "return six numbers",
-                found=show(result),
-                at=("value",),
-            ) from None
+        return np.array(strains)
 
     def on(self, rod: Rod) -> RestStrain:
         """Return it as strains of this rod: itself, unless a temperature gives them.
@@ -223,7 +216,13 @@ class RestStrain(Definition):
 
     def factor(self, t: float, before: bool = False) -> float:
         """Return what scales the strains at the time `t` [s] (the limit from the left if `before`)."""
-        return 1.0 if self.time is None else self.time.value(t, before)
+        return 1.0 if self.time is None else self._named_time.value(t, before)
+
+    @cached_property
+    def _named_time(self) -> TimeFunction:
+        """The function of time with what it belongs to, for its messages."""
+        assert self.time is not None
+        return time_function(self.time).of(f"the time of the rest strain of {self.rod!r}")
 
     def factor_rate(self, t: float, before: bool = False) -> float:
         """Return the rate of the factor [1/s]; of a Python function without one, by a difference."""
@@ -231,8 +230,8 @@ class RestStrain(Definition):
             return 0.0
         if isinstance(self.time, FunctionOfTime) and self.time.rate_function is None:
             step = -instant(t) if before else instant(t)
-            return (self.time.value(t + step) - self.time.value(t, before)) / step
-        return self.time.rate(t, before)
+            return (self._named_time.value(t + step) - self._named_time.value(t, before)) / step
+        return self._named_time.rate(t, before)
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

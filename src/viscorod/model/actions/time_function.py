@@ -49,6 +49,11 @@ class TimeFunction(Definition):
     def acceleration(self, t: float, before: bool = False) -> float:
         """Return the second derivative at time `t`, 1/s^2."""
 
+    def of(self, owner: str) -> Self:
+        """Return the function with what it belongs to, for the messages of functions that can fail."""
+        del owner
+        return self
+
     def require_derivatives(self) -> None:
         """Refuse, by an `InputError`, a function without the derivatives that a motion needs."""
 

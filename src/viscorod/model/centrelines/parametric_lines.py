@@ -18,7 +18,7 @@ from viscorod.model.centrelines.smooth_curve import SmoothCurve, chebyshev_curve
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.forms import TEXT, listed
 from viscorod.model.fields.metadata import Key, accepts, optional
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import (
     TRIPLE,
     OptionalText,
@@ -178,17 +178,13 @@ class ParametricCurve(_Parametric):
         return SmoothCurve(*chebyshev_curve(self._point))
 
     def _point(self, u: float) -> Floats:
-        point = users_result(
+        point = returned(
             self.function,
             u,
-            of="the centre line",
-            where=f"u = {u:.6g}",
-            instead="make it return a point for every u in [0, 1]",
+            check=vector,
+            name="the function of the curve",
+            where=f"at u = {u:.6g}",
+            instead="make it return a point, three numbers in m, for every u from 0 to 1",
             at=("function",),
         )
-        try:
-            return np.array(vector(point))
-        except RefusedError as error:
-            raise RefusedError(
-                f"it does not return a point: {error.why}", error.instead, at=("function",)
-            ) from None
+        return np.array(point)

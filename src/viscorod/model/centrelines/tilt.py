@@ -7,9 +7,8 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import accepts
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import TRIPLE, vector
 from viscorod.typing import Floats
 
@@ -38,14 +37,12 @@ def tilts(given: Tilt, s: Floats) -> Floats:
 
 
 def _at(given: Callable[[float], Sequence[float]], s: float) -> tuple[float, ...]:
-    instead = "make it return a rotation vector in rad everywhere"
-    result = users_result(given, s, of="the tilt", where=f"s = {s:.6g}", instead=instead, at=("tilt",))
-    try:
-        return vector(result)
-    except RefusedError as error:
-        raise RefusedError(
-            f"the function of the tilt gave this at s = {s:.6g}: {error.why}",
-            instead,
-            found=show(result),
-            at=("tilt",),
-        ) from None
+    return returned(
+        given,
+        s,
+        check=vector,
+        name="the function of the tilt",
+        where=f"at s = {s:.6g} m",
+        instead="make it return a rotation vector in rad everywhere",
+        at=("tilt",),
+    )

@@ -10,7 +10,7 @@ import numpy as np
 from pydantic import model_validator
 
 from viscorod.model.actions.time_function import TimeFunction
-from viscorod.model.connections.motion_words import MOTIONS
+from viscorod.model.connections.motion_words import MOTIONS, named_motions
 from viscorod.model.connections.place import GROUND, AnyPlace, EndField
 from viscorod.model.connections.spring_laws import (
     DampingTable,
@@ -18,6 +18,7 @@ from viscorod.model.connections.spring_laws import (
     Rest,
     RestTable,
     StiffnessTable,
+    named_laws,
     require_law_words,
 )
 from viscorod.model.connections.support_base import MotionField
@@ -153,7 +154,8 @@ class AnyJoint(Definition):
         (a, b), (at_a, at_b) = places, positions
         return ResolvedJoint(
             path, self.word, self.label, a, b, at_a, at_b, self.frame(), self.free_motions(),
-            self.held_motions(), dict(self.stiffness), dict(self.damping), dict(self.rest), dict(self.motion),
+            self.held_motions(), named_laws(self.stiffness, "stiffness", self.label),
+            named_laws(self.damping, "damping", self.label), dict(self.rest), named_motions(self.motion, self.label),
         )  # fmt: skip
 
     @model_validator(mode="after")

@@ -19,6 +19,7 @@ __all__ = [
     "fixed_motions",
     "fixed_velocities",
     "motion_functions",
+    "named_motions",
     "velocity_functions",
 ]
 
@@ -33,6 +34,11 @@ Motion = Mapping[str, TimeFunction]
 
 def _some_of(words: tuple[str, ...]) -> str:
     return "list of some of " + ", ".join(f'`"{word}"`' for word in words)
+
+
+def named_motions(motions: Motion, owner: str) -> dict[str, TimeFunction]:
+    """Return functions of time that tell to which motion of what they belong when they fail."""
+    return {word: function.of(f"the motion {word} of {owner}") for word, function in motions.items()}
 
 
 def motion_word(value: Any) -> str:

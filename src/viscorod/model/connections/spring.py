@@ -22,6 +22,8 @@ from viscorod.model.connections.spring_laws import (
     RestTable,
     Stiffness,
     StiffnessTable,
+    named_law,
+    named_laws,
     require_law_words,
 )
 from viscorod.model.fields.definition import Definition, RefusedError
@@ -122,10 +124,22 @@ class Spring(AnySpring):
     def resolve(self, path: str, places: Places, positions: tuple[Floats, Floats]) -> ResolvedSpring:
         """See `AnySpring`."""
         (a, b), (at_a, at_b) = places, positions
+        stiffness = named_laws(self.stiffness, "stiffness", self.label)
+        damping = named_laws(self.damping, "damping", self.label)
         return ResolvedSpring(
-            path, self.word, self.label, a, b, at_a, at_b, self.frame(), dict(self.stiffness), dict(self.damping),
-            dict(self.rest), 0.0,
-        )  # fmt: skip
+            path,
+            self.word,
+            self.label,
+            a,
+            b,
+            at_a,
+            at_b,
+            self.frame(),
+            stiffness,
+            damping,
+            dict(self.rest),
+            0.0,
+        )
 
     def frame(self) -> Floats:
         """Return the axes in the reference shape (3, 3), columns, global components."""
@@ -179,7 +193,8 @@ class LineSpring(AnySpring):
         """See `AnySpring`."""
         (a, b), (at_a, at_b) = places, positions
         length = self.length or float(np.linalg.norm(at_a - at_b))
-        stiffness, damping = _along_line(self.stiffness), _along_line(self.damping)
+        stiffness = _along_line(named_law(self.stiffness, f"the stiffness of {self.label}"))
+        damping = _along_line(named_law(self.damping, f"the damping of {self.label}"))
         return ResolvedSpring(
             path, self.word, self.label, a, b, at_a, at_b, np.eye(3), stiffness, damping, {}, length
         )

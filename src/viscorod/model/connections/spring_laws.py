@@ -6,10 +6,10 @@ from collections.abc import Callable, Mapping
 from typing import Annotated, Any, TypeAlias
 
 from viscorod.model.connections.motion_words import MOTIONS, motion_word
-from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.definition import RefusedError
 from viscorod.model.fields.forms import NOT_NEGATIVE, Form, quantity, word_table
 from viscorod.model.fields.metadata import Check, accepts
-from viscorod.model.fields.users_functions import users_result
+from viscorod.model.fields.users_functions import returned
 from viscorod.model.fields.values import amount, entries, number
 
 __all__ = [
@@ -22,6 +22,8 @@ __all__ = [
     "Stiffness",
     "StiffnessTable",
     "law_value",
+    "named_law",
+    "named_laws",
     "require_law_words",
 ]
 
@@ -56,13 +58,31 @@ def law_value(law: Law, at: float) -> float:
     """
     if not callable(law):
         return law * at
-    result = users_result(law, at, of="the spring", where=f"{at:.6g}", instead="return a finite number")
-    try:
-        return number(result)
-    except RefusedError as error:
-        raise RefusedError(
-            f"the function gave this at {at:.6g}: {error.why}", "return a finite number", found=show(result)
-        ) from None
+    return returned(
+        law,
+        at,
+        check=number,
+        name="the function",
+        where=f"at {at:.6g}",
+        instead="return a finite number everywhere",
+    )
+
+
+def named_laws(laws: Laws, key: str, owner: str) -> dict[str, Law]:
+    """Return laws whose functions tell to whom they belong when they fail, such as ``the stiffness uy of ...``."""
+    return {word: named_law(law, f"the {key} {word} of {owner}") for word, law in laws.items()}
+
+
+def named_law(law: Law, name: str) -> Law:
+    """Return a law whose function tells its `name` when it fails."""
+    if not callable(law):
+        return law
+
+    def force(at: float) -> float:
+        instead = "return a finite number everywhere"
+        return returned(law, at, check=number, name=name, where=f"at {at:.6g}", instead=instead)
+
+    return force
 
 
 def _checked(law: Callable[[float], float]) -> Law:

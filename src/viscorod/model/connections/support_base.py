@@ -14,6 +14,7 @@ from viscorod.model.connections.motion_words import (
     MOTIONS,
     Motion,
     motion_functions,
+    named_motions,
 )
 from viscorod.model.connections.place import AnyPlace, PlaceField
 from viscorod.model.fields.definition import Definition, RefusedError
@@ -96,7 +97,9 @@ class AnySupport(Definition):
         """
         frame, axes = self.axes_at(node)
         fixed = tuple(word for word in self.held() if word not in self.motion)
-        return ResolvedSupport(path, self.label, place, frame, axes, fixed, dict(self.motion))
+        return ResolvedSupport(
+            path, self.label, place, frame, axes, fixed, named_motions(self.motion, f"the {self.label}")
+        )
 
     @model_validator(mode="after")
     def _moves_what_it_holds(self) -> Self:

@@ -99,7 +99,8 @@ class VelocitySupport(AnySupport):
         del node
         word = dict(zip(VELOCITIES, MOTIONS, strict=True))
         motion: dict[str, TimeFunction] = {
-            word[name]: _Travelled(speed=time_function(speed)) for name, speed in self.velocity.items()
+            word[name]: _Travelled(speed=time_function(speed).of(f"the velocity {name} of the {self.label}"))
+            for name, speed in self.velocity.items()
         }
         fixed = tuple(word[name] for name in self.fixed)
         return ResolvedSupport(path, self.label, place, "body", np.zeros((3, 3)), fixed, motion)

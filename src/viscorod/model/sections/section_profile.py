@@ -16,7 +16,7 @@ from viscorod.model.sections.section_kinds import SECTIONS, SectionField, one_se
 from viscorod.model.sections.section_stations import Stations
 from viscorod.model.sections.taper import Taper
 
-__all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "section_profile"]
+__all__ = ["AnySection", "Piece", "Piecewise", "SectionProfile", "one_of_sections", "section_profile"]
 
 
 class Piece(Definition):
@@ -68,6 +68,13 @@ class Piecewise(Definition):
 
 
 SectionProfile: TypeAlias = AnySection | Piecewise | Taper | Stations | Callable[[float], AnySection]
+
+
+def one_of_sections(value: Any) -> AnySection:
+    """Return `value`, which must be a section."""
+    if not isinstance(value, AnySection):
+        raise RefusedError("this is no section", "give one, such as Rectangle(0.02, 0.01)")
+    return value
 
 
 @accepts(None, SECTION, "or a function of the arc length")

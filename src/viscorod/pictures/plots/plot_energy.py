@@ -113,7 +113,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
     if lower is None:
         return within(upper)
 
-    clean(lower, f"time [{second}]", "|numerical| [% of moved]")
+    clean(lower, f"time [{second}]", "|numerical| [%]")
     moved = energy.moved
     if moved > 0.0:
         percent = np.maximum(100.0 * np.abs(energy.numerical) / moved, _ROUND_OFF)

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import TYPE_CHECKING, Any
+from collections.abc import Mapping, Sequence
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 
@@ -19,7 +19,10 @@ if TYPE_CHECKING:
     from viscorod.pictures.viewer.packing import Pack
     from viscorod.results.result import Result
 
-__all__ = ["Beside"]
+__all__ = ["Beside", "Others"]
+
+Others: TypeAlias = Sequence[Run | Record] | Mapping[str, Run | Record]
+"""What is shown beside a motion, with names of its own or those of a table."""
 
 _MEASURED = ("displacement", "velocity")
 
@@ -38,28 +41,32 @@ class Beside:
 
     Args:
         result: the motion; samples: numbers of its stored states in the charts.
-        others: motions and records of displacement or velocity along global axes.
+        others: motions and records of displacement or velocity along global axes, or a table of them by their names.
 
     Raises:
         InputError: one of them cannot be shown beside it.
     """
 
-    def __init__(self, result: Result, samples: np.ndarray, others: Sequence[Run | Record]) -> None:
+    def __init__(self, result: Result, samples: np.ndarray, others: Others) -> None:
         self._runs: list[tuple[int, str, Run]] = []
         self._records: list[tuple[int, str, Record]] = []
         if others and not isinstance(result, Run):
             raise InputError("beside: only motions over time have others beside them; give a run")
         self._times = np.asarray(result.data[result.dimension].values, dtype=float)[samples]
-        for number, other in enumerate(others):
+        named = isinstance(others, Mapping)
+        listed = list(others.items()) if isinstance(others, Mapping) else [("", other) for other in others]
+        for number, (name, other) in enumerate(listed):
             if isinstance(other, Run):
-                self._runs.append((number, other.title or f"result {number + 2}", other))
+                self._runs.append((number, name or other.title or f"result {number + 2}", other))
             elif isinstance(other, Record) and other.quantity in _MEASURED and _axis_of(other) is not None:
-                self._records.append((number, other.name or "measured", other))
+                self._records.append((number, name or other.name or "measured", other))
             else:
                 what = type(other).__name__
                 raise InputError(
                     f"beside: {what}: give motions over time, or records of displacement or velocity along x, y or z"
                 )
+        if named:
+            return
         titles = [name for _, name, _ in self._runs]
         own = getattr(result, "title", "")
         self._runs = [

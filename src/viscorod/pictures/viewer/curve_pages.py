@@ -13,6 +13,7 @@ from viscorod.results.campbell import Campbell
 from viscorod.results.followed_modes import FollowedModes
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.periodic import Periodic
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -64,6 +65,7 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
     """Return the page of modes along a speed or a load."""
     chosen = _chosen(len(result.values), most)
     whirls = isinstance(result, Campbell)
+    scale, hz = scaled("Hz", result.frequencies)
     word, unit = ("angular speed", "rad/s") if whirls else ("load factor", "")
     along = f"{word} [{unit}]" if unit else word
     seen = ""
@@ -75,7 +77,7 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
     grows = (result.eigenvalues.real > 1e-7 * np.abs(result.eigenvalues))[chosen]
     x, dashed = parts.meta["slider"]["places"], parts.rows(grows.T)
     hertz, ratio = (
-        parts.rows(result.frequencies[chosen].T),
+        parts.rows(scale * result.frequencies[chosen].T),
         parts.rows(100.0 * result.damping_ratios[chosen].T),
     )
     rate = parts.rows(result.eigenvalues.real[chosen].T)
@@ -90,7 +92,7 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
     limits = [
         {
             "x": one.at,
-            "y": one.frequency,
+            "y": scale * one.frequency,
             "text": f"{one.mode} {'begins' if one.unstable else 'ceases'} to grow: {one.kind}",
             "kind": "limit of stability",
         }
@@ -101,7 +103,7 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
         marks = [
             {
                 "x": one.speed,
-                "y": one.frequency,
+                "y": scale * one.frequency,
                 "text": f"critical speed of {one.mode}, order {one.order:g}",
                 "kind": "critical speed",
             }
@@ -109,14 +111,14 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
         ] + limits
         end = float(result.values[-1])
         guides = [
-            {"x": [0.0, end], "y": [0.0, order * end / (2.0 * np.pi)], "text": f"{order:g}x"}
+            {"x": [0.0, end], "y": [0.0, scale * order * end / (2.0 * np.pi)], "text": f"{order:g}x"}
             for order in result.engine_orders
         ]
-    top = 1.06 * float(result.frequencies.max()) or 1.0
+    top = 1.06 * scale * float(result.frequencies.max()) or 1.0
     parts.chart(
         "Frequencies",
         along,
-        "frequency [Hz]",
+        f"frequency [{hz}]",
         curves(hertz),
         marks=marks,
         guides=guides,
@@ -127,7 +129,7 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
         "Damping ratios; dashed where a mode grows", along, "damping ratio [%]", curves(ratio),
         range=_range(100.0 * result.damping_ratios), follows=True,
     )  # fmt: skip
-    head = ["mode", "frequency [Hz]", "damping ratio [%]", "growth [1/s]"]
+    head = ["mode", f"frequency [{hz}]", "damping ratio [%]", "growth [1/s]"]
     cells: list[list[Any]] = [
         [name, (hertz, k), (ratio, k), (rate, k)] for k, name in enumerate(result.modes)
     ]
@@ -136,26 +138,26 @@ def _followed(result: FollowedModes, most: int) -> CurveParts:
         head, cells = [*head, "whirl"], [[*row, (whirl, k)] for k, row in enumerate(cells)]
         parts.table(
             "Critical speeds",
-            ["mode", "order", "[rad/s]", "[rpm]", "[Hz]"],
+            ["mode", "order", "[rad/s]", "[rpm]", f"[{hz}]"],
             [
-                [one.mode, one.order, one.speed, one.speed * 30.0 / np.pi, one.frequency]
+                [one.mode, one.order, one.speed, one.speed * 30.0 / np.pi, scale * one.frequency]
                 for one in result.critical_speeds
             ],
         )
     parts.live(head, cells)
     parts.table(
         "Limits of stability",
-        ["mode", along, "what", "[Hz]"],
+        ["mode", along, "what", f"[{hz}]"],
         [
-            [one.mode, one.at, f"{'begins' if one.unstable else 'ends'}: {one.kind}", one.frequency]
+            [one.mode, one.at, f"{'begins' if one.unstable else 'ends'}: {one.kind}", scale * one.frequency]
             for one in result.limits
         ],
     )
     parts.table(
         "Frequencies that meet, as seen on the model",
-        ["modes", "they", f"near {along}", "[Hz]"],
+        ["modes", "they", f"near {along}", f"[{hz}]"],
         [
-            [", ".join(one.modes), "cross" if one.crosses else "veer", one.at, one.frequency]
+            [", ".join(one.modes), "cross" if one.crosses else "veer", one.at, scale * one.frequency]
             for one in result.meetings
         ],
     )
@@ -175,28 +177,32 @@ def _periodic(result: Periodic, most: int) -> CurveParts:
     chosen = _chosen(len(result.frequencies), most, [k for k, _ in result.bifurcations])
     free = not result.inputs
     over = str(result.data.attrs.get("over", "frequency"))
+    scale, hz = scaled("Hz", result.frequencies)
     kind = "free vibrations of a mode" if free else "forced motions"
     parts = CurveParts(
         f"Periodic motions, {kind}, {int(result.data.attrs['harmonics'])} harmonics",
-        ("motion on the curve", "Hz"),
-        result.frequencies,
+        ("motion on the curve", hz),
+        scale * result.frequencies,
         chosen,
     )
     known = bool((np.asarray(result.data["unstable"].values) >= 0).all())
     unstable = parts.rows((~result.stable[chosen])[None]) if known else None
-    hertz, level = parts.rows(result.frequencies[chosen][None]), parts.rows(result.levels[chosen][None])
-    x, along = (level, "factor of the amplitudes") if over == "level" else (hertz, "frequency [Hz]")
+    hertz, level = (
+        parts.rows(scale * result.frequencies[chosen][None]),
+        parts.rows(result.levels[chosen][None]),
+    )
+    x, along = (level, "factor of the amplitudes") if over == "level" else (hertz, f"frequency [{hz}]")
     dashed = None if unstable is None else (unstable, 0)
     units = [str(unit) for unit in result.data["output_unit"].values]
     output = parts.choice("Output", result.outputs)
     phase = parts.rows(np.linspace(0.0, 1.0, INSTANTS + 1)[None])
-    rows: list[list[Any]] = [["frequency [Hz]", (hertz, 0)], ["factor of the amplitudes", (level, 0)]]
+    rows: list[list[Any]] = [[f"frequency [{hz}]", (hertz, 0)], ["factor of the amplitudes", (level, 0)]]
     for k, (name, unit) in enumerate(zip(result.outputs, units, strict=True)):
         size = result.amplitude(k)
         y, word = parts.rows(size[chosen][None]), f"amplitude [{unit}]"
         marks = [
             {
-                "x": float((result.levels if over == "level" else result.frequencies)[at]),
+                "x": float((result.levels if over == "level" else scale * result.frequencies)[at]),
                 "y": float(size[at]),
                 "text": what,
                 "kind": "fold or other bifurcation",
@@ -241,9 +247,9 @@ def _periodic(result: Periodic, most: int) -> CurveParts:
     parts.live(["of the chosen motion", ""], rows)
     parts.table(
         "Bifurcations",
-        ["kind", "motion", "[Hz]", "level"],
+        ["kind", "motion", f"[{hz}]", "level"],
         [
-            [word, at + 1, float(result.frequencies[at]), float(result.levels[at])]
+            [word, at + 1, scale * float(result.frequencies[at]), float(result.levels[at])]
             for at, word in result.bifurcations
         ],
     )
@@ -310,10 +316,11 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
         for p in _summits(np.abs(result.values[:, k, j]))
     ]
     chosen = _chosen(len(result.frequencies), most, peaks)
+    scale, hz = scaled("Hz", result.frequencies)
     parts = CurveParts(
         f"Frequency response about {result.data.attrs.get('about', 'a state')}",
-        ("frequency", "Hz"),
-        result.frequencies,
+        ("frequency", hz),
+        scale * result.frequencies,
         chosen,
     )
     output, source = parts.choice("Output", result.outputs), parts.choice("Input", result.inputs)
@@ -329,9 +336,9 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
             words, unit = f"{name} over {given}", result.unit(k, j)
             marks = [
                 {
-                    "x": one.frequency,
+                    "x": scale * one.frequency,
                     "y": one.amplitude,
-                    "text": f"peak {one.name or ''} at {one.frequency:.6g} Hz".replace("  ", " "),
+                    "text": f"peak {one.name or ''} at {scale * one.frequency:.6g} {hz}".replace("  ", " "),
                     "kind": "peak",
                 }
                 for one in result.resonances(k, j)
@@ -339,7 +346,7 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
             log = ["y"] if np.abs(value).min() > 0.0 else []
             parts.chart(
                 words,
-                "frequency [Hz]",
+                f"frequency [{hz}]",
                 f"size [{unit}]",
                 [parts.curve(words, (x, 0), (size, 0))],
                 marks=marks,
@@ -349,7 +356,7 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
             )
             parts.chart(
                 "Phase",
-                "frequency [Hz]",
+                f"frequency [{hz}]",
                 "phase [degrees]",
                 [parts.curve("phase", (x, 0), (phase, 0), colour=1)],
                 when=when,
@@ -363,11 +370,11 @@ def _response(result: FrequencyResponse, most: int) -> CurveParts:
             rows.append([f"{words} [{unit}]", (size, 0), (phase, 0)])
             parts.table(
                 f"Peaks of {words}, and damping ratios by three ways",
-                ["peak of", "at [Hz]", f"size [{unit}]", "half power", "circle", "pole"],
+                ["peak of", f"at [{hz}]", f"size [{unit}]", "half power", "circle", "pole"],
                 [
                     [
                         one.name or "-",
-                        one.frequency,
+                        scale * one.frequency,
                         one.amplitude if one.resolved else f"> {one.amplitude:.5g}",
                         *("-" if d is None else d for d in (one.half_power, one.circle, one.pole)),
                     ]

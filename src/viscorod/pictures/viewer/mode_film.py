@@ -13,6 +13,7 @@ from viscorod.results.buckling import Buckling
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.modes_result import Modes
 from viscorod.results.steady_result import Steady
+from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -61,16 +62,17 @@ def film_of(result: Filmed) -> Film:
         return _of_buckling(result)
     modes = result.modes if isinstance(result, Steady) else result
     told: list[dict[str, Any]] = []
+    scale, unit = scaled("Hz", modes.frequencies[:MOST_MODES])
     for k, name in enumerate(modes.names[:MOST_MODES]):
         s, hertz = complex(modes.eigenvalues[k]), float(modes.frequencies[k])
         swings = abs(s.imag) > 1e-9 * abs(s) or abs(s) == 0.0
         ratio: float | str = (
             "" if hertz == 0.0 else float(modes.damping_ratios[k]) if swings else "overdamped"
         )
-        told.append({"name": str(name), "cells": [hertz, ratio]})
+        told.append({"name": str(name), "cells": [scale * hertz, ratio]})
     around = np.broadcast_to(modes.positions, modes.shapes.shape)
     first = next((k for k, one in enumerate(told) if one["cells"][0] > 0.0), 0)
-    head = ["mode", "frequency [Hz]", "damping ratio"]
+    head = ["mode", f"frequency [{unit}]", "damping ratio"]
     states = _swings(result, told, around, modes.shapes, modes.rotations)
     return Film(states, "Modes; a row that is chosen swings", head, told, first)
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.pictures.described_model import described
 from viscorod.pictures.drawing.load_arrows import gravity
-from viscorod.pictures.viewer.beside import Beside
+from viscorod.pictures.viewer.beside import Beside, Others
 from viscorod.pictures.viewer.camera import first_look
 from viscorod.pictures.viewer.coloured_fields import fields_of, points_of, speed_of
 from viscorod.pictures.viewer.colours import colour_tables
@@ -42,7 +41,6 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
-    from viscorod.records.motion_record import Record
     from viscorod.results.any_result import AnyResult
     from viscorod.results.sweep_result import Sweep
 
@@ -63,7 +61,7 @@ def view(
     *,
     frames: int = FRAMES,
     megabytes: float = MEGABYTES,
-    beside: Sequence[Run | Record] = (),
+    beside: Others = (),
 ) -> Path:
     """Write a result as one HTML file that shows it moving; it needs no server and no network.
 
@@ -80,7 +78,8 @@ def view(
             positions in between follow from velocities. Of curves: places along them at most.
         megabytes: size of the file at most; if it would be larger, there are fewer frames.
         beside: of a motion: other motions, whose rods and histories are shown beside its own, as before and after a
-            change; and records of measured displacements or velocities along x, y or z.
+            change; and records of measured displacements or velocities along x, y or z. A list, or a table by the
+            names that they shall have in the page, such as ``{"before": run}``.
 
     Returns:
         The path.
@@ -121,7 +120,7 @@ def view(
     return path
 
 
-def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Sequence[Run | Record]) -> str:
+def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Others) -> str:
     modes = [] if film is None else film.told
     model = described(result)
     frames, pack = Frames.of(result, limit), Pack()

@@ -114,20 +114,24 @@ def reference_line(line: LineLike) -> ReferenceLine:
     return ReferenceLine(array[:, :3], array[:, 3] if array.shape[1] == 4 else np.zeros(len(array)))
 
 
+_ALONG = 1e-6
+"""The least component along +Z of a tangent of a blade."""
+
+
 def beamdyn_axis(tangent: Floats, angle: float) -> Floats:
     """Return BeamDyn's x axis of a section (3,) for the unit tangent (3,) and the angle about it, rad.
 
     Raises:
         InputError: the tangent does not point along +Z, in which BeamDyn's blades run.
     """
-    if tangent[2] < 1e-6:
+    if tangent[2] < _ALONG:
         x, y, z = tangent.tolist()
         raise InputError(
             Fault(
                 "centreline",
                 f"a tangent along ({x:.3g}, {y:.3g}, {z:.3g})",
                 "BeamDyn's blades run along +Z from root to tip",
-                "turn the rod so that it does",
+                "give a rod that nowhere turns back; one that starts in another direction is turned",
             )
         )
     first = np.array([tangent[2], 0.0, -tangent[0]]) / np.hypot(tangent[0], tangent[2])
@@ -162,13 +166,20 @@ class BladeTwist:
 
 
 @checked_with(rod=of_class(Rod), stations=numbers)
+def starts_along_z(rod: Rod) -> bool:
+    """Return whether a rod leaves its root towards +Z, as BeamDyn's blades do."""
+    return bool(rod.frames([0.0])[1][0, 2, 2] >= _ALONG)
+
+
 def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
     """Return key points and initial twist (n, 4), m and degrees, of a rod at fractions of its length.
 
-    They are the rows kp_xr, kp_yr, kp_zr, initial_twist of a primary file.
+    They are the rows kp_xr, kp_yr, kp_zr, initial_twist of a primary file. BeamDyn's blades run along +Z: the key
+    points of a rod that does not start so (`starts_along_z`) are those of the rod moved until d1, d2 and d3 at its
+    root are X, Y and Z, and its root the origin.
 
     Raises:
-        InputError: the rod does not run along +Z, as BeamDyn's blades do.
+        InputError: the rod turns back on its way.
     """
     refuse_tilt(rod)
     fractions = np.atleast_1d(np.asarray(stations, dtype=np.float64))
@@ -177,6 +188,9 @@ def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
             Fault("stations", "none", "there has to be one at least", "give fractions of the length")
         )
     positions, frames = rod.frames(fractions * rod.length)
+    if not starts_along_z(rod):
+        root, axes = (values[0] for values in rod.frames([0.0]))
+        positions, frames = (positions - root) @ axes, axes.T @ frames
     rows = []
     for position, frame in zip(positions, frames, strict=True):
         first = beamdyn_axis(frame[:, 2], 0.0)
