@@ -192,6 +192,6 @@ def test_a_spring_that_fails_on_the_way_keeps_the_motion_up_to_there():
     model = beam()
     model.force("beam.end", (0, 0, 1e-4))
     model.spring("beam.end", stiffness={"uz": law})
-    with pytest.raises(vr.SolveError, match="the stiffness uz of bushing .* failed") as caught:
+    with pytest.raises(vr.SolveError, match=r"the stiffness uz of bushing .* failed") as caught:
         model.simulate(2.0, initial="reference")
     assert 0.0 < caught.value.run.time[-1] < 2.0
