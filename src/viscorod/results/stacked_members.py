@@ -45,7 +45,7 @@ def difference(one: xr.Dataset, other: xr.Dataset) -> str:
         a, b = first.values, other.variables[name].values
         fixed = name in one.dims or a.dtype.kind not in "fi"
         if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
-            return f"their {_LEVELS.get(along if along in first.dims else '', str(name))} differ"
+            return f"their {_LEVELS.get(along if along in first.dims else '', f'values of {name}')} differ"
     return ""
 
 

@@ -46,6 +46,8 @@ def _form_of(kind: Any, fields: int) -> Mapping[str, Any]:
 
 def has_quantity(value: Any) -> bool:
     """Say whether a value is, or holds, a quantity."""
+    if isinstance(value, int | float):  # most are plain numbers
+        return False
     if isinstance(value, str):
         return looks_like_quantity(value)
     if isinstance(value, Mapping):
