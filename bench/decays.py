@@ -80,9 +80,9 @@ def run(length, count, colour, sets, seed=0):
         )
 
 
-if __name__ == "__main__":
+def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("lengths", nargs="*", choices=[*LENGTHS, []], default=list(LENGTHS))
+    parser.add_argument("lengths", nargs="*", choices=[*LENGTHS, []], default=[])
     parser.add_argument("--sets", type=int, default=1000)
     parser.add_argument("--seed", type=int, default=0)
     given = parser.parse_args()
@@ -90,3 +90,7 @@ if __name__ == "__main__":
         for number in (1, 2):
             for memory in COLOURS:
                 run(name, number, memory, given.sets, given.seed)
+
+
+if __name__ == "__main__":
+    main()

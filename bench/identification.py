@@ -142,7 +142,7 @@ class Expanded:
         return self._slopes / unknowns
 
 
-def run(name, sets, real, wrong):
+def run(name, sets, real, wrong, seed=0):
     pairs, keys = PROBLEMS[name]()
     began = time.process_time()
     members = members_of(pairs)
@@ -156,7 +156,7 @@ def run(name, sets, real, wrong):
     bound = np.sqrt(np.diag(np.linalg.inv((slopes / noise[:, None]).T @ (slopes / noise[:, None]))))
     model = predictions if real else Expanded(truth, clean, slopes)
     count = real or sets
-    rng = np.random.default_rng(0)
+    rng = np.random.default_rng(seed)
     inside, told, widths, white = np.zeros(len(truth)), 0, [], 0
     more = 0.0
     if wrong:  # what the model has not: the motion again, a little faster and smaller
@@ -194,6 +194,7 @@ if __name__ == "__main__":
         "--real", type=int, default=0, help="data sets that are fitted with the rods themselves"
     )
     parser.add_argument("--wrong", action="store_true")
+    parser.add_argument("--seed", type=int, default=0, help="of the noise")
     given = parser.parse_args()
     for word in given.problems or list(PROBLEMS):
-        run(word, given.sets, given.real, given.wrong)
+        run(word, given.sets, given.real, given.wrong, given.seed)

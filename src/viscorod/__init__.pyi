@@ -108,10 +108,10 @@ from .results.files.storage import load as load
 from .results.followed_modes import Limit as Limit
 from .results.followed_modes import Meeting as Meeting
 from .results.frequency_response import FrequencyResponse as FrequencyResponse
-from .results.identification import Foretold as Foretold
 from .results.identification import Identification as Identification
-from .results.identification import Law as Law
-from .results.identification import Number as Number
+from .results.identified import Foretold as Foretold
+from .results.identified import Law as Law
+from .results.identified import Number as Number
 from .results.linear_system import LinearSystem as LinearSystem
 from .results.master_curve_result import MasterCurve as MasterCurve
 from .results.material_share import AtMost as AtMost

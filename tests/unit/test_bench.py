@@ -98,6 +98,18 @@ def test_derivatives_of_a_random_model_are_those_of_differences(script, capsys) 
     assert all(": 1 of 1 within" in line for line in lines[-5:-1])
 
 
+def test_all_kinds_of_decays_are_tried_without_a_word(script, capsys, monkeypatch) -> None:
+    decays = script("decays")
+    monkeypatch.setattr(decays, "LENGTHS", {"short": (160, 0.025)})
+    monkeypatch.setattr(decays, "COLOURS", (0.0,))
+    monkeypatch.setattr(sys, "argv", ["decays", "--sets", "1"])
+    decays.main()
+    assert [line.split(" mode")[0] for line in capsys.readouterr().out.splitlines() if "AR(" in line] == [
+        "short, 1",
+        "short, 2",
+    ]
+
+
 def test_intervals_of_a_few_decays_are_as_wide_as_the_bound(script, capsys) -> None:
     """Cramer and Rao's bound is what least squares reaches in white noise."""
     script("decays").run("short", 1, 0.0, 3)

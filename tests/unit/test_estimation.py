@@ -16,7 +16,7 @@ from viscorod.solve.estimation.autoregression import (
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.intervals import covariance, intervals
 from viscorod.solve.estimation.least_squares import Scaled, estimate, searched
-from viscorod.solve.estimation.noise import Series, ljung_box, noise_of
+from viscorod.solve.estimation.noise import Series, SeriesNoise, ljung_box, noise_of
 from viscorod.solve.estimation.predictions import central_differences
 from viscorod.solve.estimation.unknowns import Unknown, Unknowns
 
@@ -253,9 +253,28 @@ def test_starts_find_the_lower_of_two_minima():
     assert many.square <= one.square * 1.001
 
 
+@pytest.mark.parametrize("count", [100, 1000])
+def test_a_lasting_vibration_counts_as_two_values(count):
+    """Of rho_k = cos(0.3 k) the sum of (1 - k/n) rho_k^2 over both sides is n/2: n/(n/2) values."""
+    root = 1.0 - 1e-9
+    first = (
+        2.0 * root * np.cos(0.3) / (1.0 + root**2)
+    )  # partial autocorrelations of x_k = 2 r cos x_(k-1) - r^2 x_(k-2)
+    noise = SeriesNoise(1.0, np.array([first, -(root**2)]))
+    assert count * noise.effective_part(count) == pytest.approx(2.0, rel=0.05)
+
+
+def test_the_correction_for_small_samples_does_not_decide_where_few_values_of_many_count():
+    """Two effective values of 300: a number more costs some units, not tens; of six values all is as it was."""
+    few, more = criteria(100.0, 2.0, 4, 300.0), criteria(100.0, 2.0, 5, 300.0)
+    assert 2.0 < more[0] - few[0] < 5.0
+    few, more = criteria(100.0, 6.0, 4, 6.0), criteria(100.0, 6.0, 5, 6.0)
+    assert more[0] - few[0] == pytest.approx(2.0 * (5.0 * 7.0 - 4.0 * 6.0))
+
+
 def test_criteria_prefer_fewer_unknowns_where_squares_are_alike():
     """For large counts the corrected criterion is Akaike's: 2 per unknown; the Bayesian one has log n per unknown."""
-    few, many = criteria(1000.0, 1000.0, 2), criteria(1000.0, 1000.0, 3)
+    few, many = criteria(1000.0, 1000.0, 2, 1000.0), criteria(1000.0, 1000.0, 3, 1000.0)
     assert many[0] - few[0] == pytest.approx(2.0, abs=0.02)
     assert many[1] - few[1] == pytest.approx(np.log(1000.0))
 

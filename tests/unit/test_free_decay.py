@@ -10,6 +10,7 @@ from helpers.pictures import written
 from helpers.synthetic_results import swing
 from viscorod.cli.app import app
 from viscorod.records.damped_sines import fit_sines, pencil_poles
+from viscorod.records.decay_doubts import _trend
 from viscorod.records.sine_noise import FitNoise
 from viscorod.results.run import Run
 from viscorod.solve.estimation.noise import SeriesNoise
@@ -122,6 +123,14 @@ def test_modes_that_beat_are_both_found():
     assert sorted(found.frequencies) == pytest.approx([2.0, 2.12], rel=1e-3)
     assert found.damping_ratios == pytest.approx([0.004, 0.004], rel=0.05)
     assert any("beat with a period of 8.3" in text for text in found.warnings)
+
+
+def test_ratios_that_differ_are_named_and_not_the_last_one_of_which_little_is_known():
+    """Of 0.05 +- 0.001, 0.04 +- 0.001 and 0.045 +- 0.02 the first two are seven standard errors apart."""
+    size = np.array([3.0, 2.0, 1.0])
+    ratio, width = np.array([0.05, 0.04, 0.045]), 1.96 * np.array([1e-3, 1e-3, 2e-2])
+    told = _trend({"ratio": ratio, "ratio_width": width, "amplitude": size})
+    assert told.startswith("the damping ratio is not one number: 0.05 at the amplitude 3, 0.04 at 2;")
 
 
 def test_ratio_that_depends_on_amplitude_is_told():

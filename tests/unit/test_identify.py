@@ -16,13 +16,16 @@ from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
+from viscorod.analyses.identification.law_words import Frequencies, variant
 from viscorod.analyses.identification.laws import moved_numbers
+from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.record_frequencies import held_band
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
-from viscorod.results.identification import Number
 from viscorod.results.identification_report import with_prefix
+from viscorod.results.identified import Number
 from viscorod.solve.estimation.intervals import Covariance
 from viscorod.solve.estimation.least_squares import no_worse
 from viscorod.solve.estimation.unknowns import Unknown, Unknowns
@@ -348,6 +351,7 @@ def test_records_of_one_name_and_what_is_none_are_refused():
 LAWS = {
     "kelvin_voigt": {"shear_time": 0.01, "bulk_time": 0.01},
     "flat_loss": {"kind": "loss_factor", "extension": 0.06, "band": [0.3, 300.0]},
+    "wide": {"kind": "loss_factor", "extension": 0.06, "band": [0.01, 3000.0]},
 }
 
 
@@ -374,14 +378,45 @@ def test_the_law_is_told_by_ratios_over_frequency(best, excluded):
     assert "Laws on the same data" in fit.report()
 
 
+def test_a_flat_loss_of_another_band_is_a_flat_loss():
+    """The squares are those of eight values of that noise less two numbers; 16.8 are exceeded by 1 % of chi^2 of 6."""
+    record = ratios_of("wide")
+    fit = vr.identify(modes_case(), record, [YOUNG], profile=False, laws=["flat_loss", "kelvin_voigt"])
+    assert fit.laws[0].name == "flat_loss"
+    assert float(fit.data["law_square"][0]) < 16.8
+    assert fit["materials.rubber.damping.extension"].value == pytest.approx(0.06, rel=0.05)
+    flat = fit.case.content["materials"]["rubber"]["damping"]
+    hertz = record.frequencies
+    np.testing.assert_allclose(flat["band"], [hertz.min() / 10.0, hertz.max() * 10.0])
+    assert hertz.min() < flat["moduli_at"] < hertz.max()
+    assert re.match(r"youngs_modulus \S+ \+- \S+ (kPa|MPa);", fit.laws[0].values)
+
+
+def test_the_band_of_a_flat_loss_is_what_a_history_holds_or_what_the_case_says():
+    """A decay of 2 s at 2 Hz, 100 samples a second: what creeps in 20 s is slow to it, 50 Hz is its fastest."""
+    times = np.linspace(0.0, 2.0, 201)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y"}
+    record = vr.Record(times, np.exp(-times) * np.cos(2.0 * np.pi * 2.0 * times), **about)
+    band = held_band(members_of([(swing(), record)]))
+    np.testing.assert_allclose(band, [0.05, 50.0])
+    held = Frequencies(2.0, band)
+    for case, shown in (
+        (swing(), ([0.05, 50.0], 2.0)),
+        (swing(damping=LAWS["flat_loss"]), ([0.3, 300.0], None)),
+    ):
+        flat = variant(swing(), "flat_loss", held.of_case(case))[0].content["materials"]["rubber"]["damping"]
+        assert flat["band"] == pytest.approx(shown[0])
+        assert flat.get("moduli_at") == shown[1]
+
+
 def test_what_was_left_out_decides_between_laws_of_one_frequency():
     """One mode has any law; a weight at the tip lowers the ratio of a viscosity with the frequency, not a flat loss."""
-    true = run_case(modes_case(damping=LAWS["flat_loss"]))
+    true = run_case(modes_case(damping=LAWS["wide"]))
     hertz, ratio = float(true.frequencies[0]), float(true.damping_ratios[0])
     noise = {"frequency_noise": [1e-3 * hertz], "ratio_noise": [0.02 * ratio]}
     twice = [vr.ModesRecord([hertz], [ratio], name=name, **noise) for name in ("first", "second")]
     weight = {"shape": "sphere", "centre": [0.3, 0.0, 0.0], "radius": 0.005, "mass": 0.03}
-    heavy = content({"simulate": {"duration": 12.0, "tolerance": 1e-4}}, 0.002, damping=LAWS["flat_loss"])
+    heavy = content({"simulate": {"duration": 12.0, "tolerance": 1e-4}}, 0.002, damping=LAWS["wide"])
     heavy |= {"bodies": {"weight": weight}, "attachments": [{"a": "beam.end", "b": "weight"}]}
     heavy = case_from_dict(heavy)
     times = np.linspace(0.0, 12.0, 150)
@@ -453,6 +488,31 @@ def test_what_is_not_the_materials_is_said():
     assert "not the material's" not in told
 
 
+def test_a_clamp_that_only_gives_way_is_not_called_damping():
+    names, merits = ["kelvin_voigt + clamp_loss", "kelvin_voigt"], np.array([0.0, 700.0])
+    told = " ".join(law_sentences(names, merits, np.zeros(2), 300.0, {}, names[:1]))
+    assert "The clamp gives way: kelvin_voigt alone is excluded. Whether the clamp damps" in told
+    assert "not the material's" not in told
+    assert "not the material's: the clamp" in " ".join(law_sentences(names, merits, np.zeros(2), 300.0, {}))
+
+
+def test_a_clamp_that_is_a_spring_gives_way_and_is_not_called_damping():
+    """A strip whose clamp is a spring without a damper, by five modes."""
+    spring = {"at": "beam.start", "stiffness": dict.fromkeys(("rx", "ry", "rz"), 0.2)}
+    modes = {"modes": {"count": 5, "about": "reference"}, "loads": []}
+    soft = content(modes, damping=LAWS["kelvin_voigt"])
+    found = run_case(
+        case_from_dict(soft | {"supports": [{"kind": "pin", "at": "beam.start"}], "springs": [spring]})
+    )
+    noise = {"frequency_noise": 1e-3 * found.frequencies, "ratio_noise": 0.01 * found.damping_ratios}
+    record = vr.ModesRecord(found.frequencies, found.damping_ratios, **noise)
+    laws = ["kelvin_voigt", "kelvin_voigt + clamp_loss"]
+    fit = vr.identify(case_from_dict(content(modes)), record, [YOUNG], laws=laws, profile=False)
+    assert fit.laws[0].name == laws[1]
+    assert [text for text in fit.sentences if "Whether the clamp damps these data do not tell" in text]
+    assert "springs[0].stiffness.rx" in fit.laws[0].values
+
+
 def test_numbers_of_the_best_law_are_those_of_the_fit_and_narrow_ones_are_marked():
     """The swing with a smaller one of another frequency added, as if noise had no colour and with it."""
     right = history(swing())
@@ -462,8 +522,8 @@ def test_numbers_of_the_best_law_are_those_of_the_fit_and_narrow_ones_are_marked
     )
     fit = vr.identify(swing(), wrong, {YOUNG: None}, laws=["kelvin_voigt"], profile=False)
     (law,) = fit.laws
-    modulus = float(re.search(r"youngs_modulus (\S+) \+-", law.values)[1])
-    assert modulus == pytest.approx(fit[YOUNG].value, rel=1e-3)
+    modulus = float(re.search(r"youngs_modulus (\S+) \+- \S+ kPa", law.values)[1])
+    assert 1e3 * modulus == pytest.approx(fit[YOUNG].value, rel=1e-3)
     assert law.values.endswith("(too narrow, it misses part of the motion)")
 
 
@@ -472,8 +532,8 @@ def test_numbers_that_the_colour_of_the_noise_moves_are_named():
     unknowns = Unknowns([Unknown("modulus", 1.0, logarithmic=True), Unknown("time", 1.0, logarithmic=True)])
     none = np.zeros((0, 2))
     last, before = (Covariance(size**2 * np.eye(2), none, np.full(2, 50.0), ()) for size in (3e-3, 4e-3))
-    found = moved_numbers(unknowns, (np.array([2e-2, 1e-2]), last), (np.zeros(2), before))
-    assert found == ["modulus (1.0202 and 1)"]
+    found = moved_numbers(unknowns, (np.array([2e-2, 1e-2]), last), (np.zeros(2), before), ["MPa", "s"])
+    assert found == ["modulus (1.0202 MPa and 1 MPa)"]
 
 
 @pytest.mark.parametrize(("start", "nearer"), [(1.3917, True), (1.3918, False)])

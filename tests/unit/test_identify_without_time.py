@@ -151,6 +151,50 @@ def test_kind_sign_size_and_delay_of_a_response_are_named(accelerance, change, w
     assert told(fit, words), fit.sentences
 
 
+LINES = np.linspace(2.0, 202.0, 401)
+
+
+@pytest.fixture(scope="module")
+def many_lines():
+    """A response of 401 lines with its case: away from the peaks its integrals are below 1 % of noise."""
+    settings = {"inputs": ["strip.end fz"], "outputs": ["strip.end az"], "frequencies": LINES.tolist()}
+    case = strip({"response": {**settings, "about": "reference"}})
+    return case, np.asarray(run_case(case).response(0, 0))
+
+
+@pytest.mark.parametrize(
+    ("power", "words"), [(2, "looks like the second integral"), (1, "looks like the integral"), (0, "")]
+)
+def test_the_kind_of_a_noisy_response_is_named_from_a_start_that_is_off(many_lines, power, words):
+    """Peaks of the start are 7 % lower; in what the data do not explain nothing is sought for long."""
+    case, clean = many_lines
+    values = clean / (2j * np.pi * LINES) ** power
+    noise = np.random.default_rng(0).normal(size=(2, 401))
+    values = values + 0.01 * np.abs(values).max() / np.sqrt(2.0) * (noise[0] + 1j * noise[1])
+    fit = vr.identify(case, vr.ResponseRecord(LINES, values), {YOUNG: 60e9, TIMES: 2e-4})
+    assert bool(told(fit, "looks like")) == bool(words)
+    assert bool(fit.missed) == bool(words)
+    if words:
+        assert told(fit, words)
+        assert all("profile" not in one.how for one in fit.numbers.values())
+    else:
+        for name, true in ((YOUNG, 70e9), (TIMES, 1e-4)):
+            assert fit[name].low < true < fit[name].high
+
+
+def test_laws_are_compared_by_a_response(accelerance):
+    record = vr.ResponseRecord(HERTZ, accelerance)
+    fit = vr.identify(SHAKEN, record, {YOUNG: 69e9}, laws=["elastic", "kelvin_voigt"], profile=False)
+    assert fit.laws[0].name == "kelvin_voigt"
+    assert told(fit, "Excluded")
+
+
+def test_a_number_at_its_bound_is_told_with_its_unit(accelerance):
+    record = vr.ResponseRecord(HERTZ, accelerance)
+    fit = vr.identify(SHAKEN, record, {YOUNG: (55e9, 60e9, 69e9)}, profile=False)
+    assert told(fit, "youngs_modulus is at its bound 69 GPa: the data want it beyond")
+
+
 def test_a_response_tells_modulus_time_gain_and_delay(accelerance):
     late = 2.5 * np.exp(-1e-3 * OMEGA) * accelerance
     record = vr.ResponseRecord(HERTZ, late, unknown=["gain", "delay"])

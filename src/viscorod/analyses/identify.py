@@ -19,8 +19,10 @@ from viscorod.analyses.identification.in_programs import in_programs
 from viscorod.analyses.identification.laws import compared_laws, require_laws
 from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.named_combinations import combinations
+from viscorod.analyses.identification.record_frequencies import dominant_frequencies
 from viscorod.analyses.identification.sought import Range, series_of, sought
-from viscorod.analyses.identification.told import dominant_frequencies, missed, sentences_of
+from viscorod.analyses.identification.told import missed, sentences_of
+from viscorod.analyses.identification.unit_of import unit_of
 from viscorod.casefile.case import Case
 from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
@@ -102,7 +104,7 @@ def identify(
         coloured: whether the noise of regular histories may be correlated in time.
         level: probability of the intervals.
         profile: check Laplace's intervals by the sum of squares at their ends, and take the profile likelihood
-            where they are skewed.
+            where they are skewed; not of a model that misses part of the motion, whose intervals do not hold.
         seed: of the further starts.
         laws: of damping that are compared on the same records, in place of that of the case: "elastic",
             "kelvin_voigt", "flat_loss" (a loss factor that does not depend on frequency), "branches 2" (Maxwell
@@ -144,7 +146,8 @@ def identify(
         report=report,
         begin=compared.found.named if compared is not None else None,
     )
-    limits = _intervals(found, level, profile=profile)
+    # those of a model that misses the motion do not hold in any case, and its sum of squares has no shape to follow
+    limits = _intervals(found, level, profile=profile and not missed(found.estimate))
     cases = found.cases()
     hertz = dominant_frequencies(found.members)
     told = [
@@ -155,10 +158,11 @@ def identify(
     programs, no_programs = in_programs(
         cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
     )
+    units = {name: unit_of(found.members, name) for name in found.unknowns.names}
     sentences = [
         *common_faults(found.members, found.estimate),
         *faults_without_time(found.members, found.estimate),
-        *sentences_of(found.estimate, found.known, limits, told),
+        *sentences_of(found.estimate, found.known, limits, told, units),
         *no_programs,
     ]
     if compared is not None:

@@ -27,7 +27,8 @@ from viscorod.whole_files import replacing
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from viscorod.results.identification import Identification, Number
+    from viscorod.results.identification import Identification
+    from viscorod.results.identified import Number
 
 __all__ = ["page_text", "write_page"]
 

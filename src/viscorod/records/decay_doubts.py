@@ -128,7 +128,11 @@ def _trend(pieces: dict[str, Floats]) -> str:
         return ""
     if np.ptp(ratio) < 0.005 * abs(mean):
         return ""
+    # those two that are farthest apart for their doubt: the last ones are the least certain
+    apart = np.abs(ratio[:, None] - ratio) / np.hypot(width[:, None], width)
+    first, last = np.unravel_index(int(np.argmax(np.triu(apart))), apart.shape)
+    amplitude = pieces["amplitude"]
     return (
-        f"the damping ratio is not one number: {ratio[0]:.4g} at the amplitude {pieces['amplitude'][0]:.3g}, "
-        f"{ratio[-1]:.4g} at {pieces['amplitude'][-1]:.3g}; take that of the amplitude in question"
+        f"the damping ratio is not one number: {ratio[first]:.4g} at the amplitude {amplitude[first]:.3g}, "
+        f"{ratio[last]:.4g} at {amplitude[last]:.3g}; take that of the amplitude in question"
     )

@@ -4,13 +4,14 @@ from __future__ import annotations
 
 import json
 from collections.abc import Iterator
-from dataclasses import astuple, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from viscorod.checks import checked
+from viscorod.results.identification_data import VARIABLES
+from viscorod.results.identified import Foretold, Law, Number
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.shown import counted
 from viscorod.typing import Floats
@@ -22,176 +23,11 @@ if TYPE_CHECKING:
 
     from viscorod.casefile.case import Case
 
-__all__ = ["Foretold", "Identification", "Law", "Number"]
+__all__ = ["Identification"]
 
 MISSES = "model misses motion"
-HALF = "half of the 95 % interval"
-VARIABLES: Variables = {
-    "unknown": (("unknown",), "", "key of a number of the case, or name of a number of the measurement"),
-    "unknown_unit": (
-        ("unknown",),
-        "",
-        "SI unit of the number, 1 of a plain one; empty where it is not known",
-    ),
-    "nuisance": (("unknown",), "", "1 where it belongs to the measurement and not to the model"),
-    "start": (("unknown",), "", "where the search began"),
-    "estimate": (("unknown",), "", "at the least sum of squares, SI"),
-    "relative": (("unknown",), "", "1 where the standard error is in parts of the estimate"),
-    "standard_error": (("unknown",), "", "of the estimate, SI or in parts of it"),
-    "low": (("unknown",), "", "lower end of the interval, SI; 0 where it is open"),
-    "high": (("unknown",), "", "upper end of the interval, SI; 0 where it is open"),
-    "low_open": (("unknown",), "", "1 where nothing limits it from below"),
-    "high_open": (("unknown",), "", "1 where nothing limits it from above"),
-    "interval_by": (("unknown",), "", "how the interval was found"),
-    "covariance": (
-        ("unknown", "other_unknown"),
-        "",
-        "of the unknowns along what the data see, as standard errors",
-    ),
-    "unseen": (
-        ("direction", "unknown"),
-        "",
-        "directions that the data do not see, as powers of the unknowns",
-    ),
-    "draw": (("chain", "step", "unknown"), "", "draws of the posterior, SI; none unless they were asked for"),
-    "draw_density": (("chain", "step"), "1", "logarithm of the density there, up to a constant"),
-    "measured": (("value",), "", "what was measured, SI"),
-    "predicted": (("value",), "", "what the fitted model says, SI"),
-    "deviation": (("value",), "", "standard deviation of the noise of the value, SI"),
-    "white": (("value",), "", "residual less what its own past tells of it, over its standard deviation"),
-    "place": (("value",), "", "time [s], frequency [Hz], load or number of the value"),
-    "series_of": (("value",), "", "number of the series, from 0"),
-    "series": (("series",), "", "what one channel of one record gave"),
-    "quantity": (("series",), "", "what was measured, in words; names of several that follow each other"),
-    "quantity_unit": (("series",), "", "SI unit of it; empty where it is not known"),
-    "place_unit": (("series",), "", "unit of the place of its values"),
-    "noise": (("series",), "", "standard deviation of the residuals, typical, SI"),
-    "noise_told": (("series",), "", "what was told of it, SI; 0 where nothing was"),
-    "noise_order": (("series",), "1", "terms of the autoregression of the residuals"),
-    "effective_count": (("series",), "1", "values that would tell as much if they were independent"),
-    "whiteness": (
-        ("series",),
-        "1",
-        "probability of such an autocorrelation of white residuals (Ljung and Box)",
-    ),
-    "at_signal": (("series",), "1", "part of the power of the residuals at the frequency of the record"),
-    "combination_value": (
-        ("combination",),
-        "",
-        "value of what the data tell of several unknowns together, SI",
-    ),
-    "combination_low": (("combination",), "", "lower end of its interval"),
-    "combination_high": (("combination",), "", "upper end of its interval"),
-    "law_unknowns": (("law",), "1", "numbers that were fitted in a law compared on the same data"),
-    "law_square": (("law",), "1", "sum of squares in units of the noise of the best"),
-    "law_aicc": (("law",), "1", "Akaike's corrected criterion, less the least"),
-    "law_bic": (("law",), "1", "Bayesian criterion, less the least"),
-    "law_prediction": (("law",), "1", "error of records left out, over their noise; 0 where none was"),
-    "foretold_frequency": (
-        ("foretold",),
-        "Hz",
-        "natural frequency that a law foretells of a record left out",
-    ),
-    "foretold_frequency_width": (("foretold",), "Hz", HALF),
-    "foretold_ratio": (("foretold",), "1", "damping ratio that it foretells"),
-    "foretold_ratio_width": (("foretold",), "1", HALF),
-    "left_out_frequency": (("foretold",), "Hz", "natural frequency that the record shows"),
-    "left_out_frequency_width": (("foretold",), "Hz", HALF),
-    "left_out_ratio": (("foretold",), "1", "damping ratio that it shows"),
-    "left_out_ratio_width": (("foretold",), "1", HALF),
-    "program_value": (("program_number",), "", "value of a damping input of another program"),
-    "program_low": (("program_number",), "", "lower end of its interval"),
-    "program_high": (("program_number",), "", "upper end of its interval"),
-}
-
 VERY_WIDE = 1e6
 """Variance along what the data do not see, over the largest that they do."""
-
-
-@dataclass(frozen=True)
-class Number:
-    """A number that was found.
-
-    Attributes:
-        name: of it; value: in SI.
-        low, high: ends of its interval; infinite (or 0 of positive numbers) where the data cannot tell.
-        standard_error: SI; how: by which the interval was found, and "model misses motion" where it does not hold for
-            what the model leaves out.
-        unit: SI unit, "1" of a plain number, empty where it is not known.
-    """
-
-    name: str
-    value: float
-    low: float
-    high: float
-    standard_error: float = 0.0
-    how: str = ""
-    unit: str = ""
-
-    @property
-    def told(self) -> bool:
-        """Whether both ends of the interval are finite."""
-        return bool(np.isfinite(self.low) and np.isfinite(self.high))
-
-
-@dataclass(frozen=True)
-class Law:
-    """A law that was compared on the same data.
-
-    Attributes:
-        name: of it; unknowns: numbers that were fitted; values: what they are, in words.
-        square: sum of squares in units of the noise of the best; aicc, bic: criteria less the least.
-        prediction: error of records left out over their noise, 0 where none was.
-    """
-
-    name: str
-    unknowns: int
-    square: float
-    aicc: float
-    bic: float
-    prediction: float
-    values: str
-
-
-@dataclass(frozen=True)
-class Foretold:
-    """A free decay that a law foretells, which was fitted to other records, beside what the record shows.
-
-    Attributes:
-        law, record: their names.
-        frequency, measured_frequency: natural frequencies of the strongest mode, Hz.
-        damping_ratio, measured_ratio: of that mode.
-        frequency_width, damping_ratio_width, measured_frequency_width, measured_ratio_width: halves of the 95 %
-            intervals.
-    """
-
-    law: str
-    record: str
-    frequency: float
-    frequency_width: float
-    damping_ratio: float
-    damping_ratio_width: float
-    measured_frequency: float
-    measured_frequency_width: float
-    measured_ratio: float
-    measured_ratio_width: float
-
-    COLUMNS: ClassVar[tuple[str, ...]] = (
-        "foretold_frequency",
-        "foretold_frequency_width",
-        "foretold_ratio",
-        "foretold_ratio_width",
-        "left_out_frequency",
-        "left_out_frequency_width",
-        "left_out_ratio",
-        "left_out_ratio_width",
-    )
-    """Names of its numbers in the data set, in order."""
-
-    @property
-    def numbers(self) -> tuple[float, ...]:
-        """Its numbers in the order of the columns."""
-        return tuple(value for value in astuple(self) if not isinstance(value, str))
 
 
 class Identification(StatelessResult):

@@ -11,7 +11,8 @@ from viscorod.results.text_numbers import scaled
 from viscorod.results.text_table import listed, page, table
 
 if TYPE_CHECKING:
-    from viscorod.results.identification import Identification, Number
+    from viscorod.results.identification import Identification
+    from viscorod.results.identified import Number
 
 __all__ = [
     "FORETOLD",

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 from scipy.optimize import linear_sum_assignment
+from scipy.signal import find_peaks
 
 from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.told import much_left
@@ -18,7 +19,8 @@ from viscorod.records.modes_record import ModesRecord
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import StaticRecord
 from viscorod.solve.estimation.least_squares import Estimate
-from viscorod.typing import Floats
+from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
+from viscorod.typing import Floats, Integers
 
 __all__ = ["faults_without_time"]
 
@@ -36,6 +38,10 @@ compared."""
 EXPLAINED, LEAST, DELAYS = 0.5, 10, 401
 """Part of the power of what is left that an unknown must explain to be named, of how many frequencies, and how many
 delays are tried."""
+CLEAR, FEWEST_CLEAR = 5.0, 5
+"""Times its noise that a response must be to be compared, at how many frequencies."""
+MOST_MOVED = 2.0
+"""Ratio by which the peaks of a model may be elsewhere."""
 OPPOSITE = -0.8
 """Correlation of what was measured and what the model says below which they go to opposite sides."""
 KINDS = {
@@ -84,14 +90,14 @@ def _of_response(
     """
     measured, omega = record.values, 2.0 * np.pi * record.frequencies
     count = len(measured)
+    good = (omega > 0.0) & (np.abs(measured) > 0.0) & _above_noise(record)
     round_about = _area(measured)
     told: dict[tuple[int, int], float] = {}
     size = 1.0
     for named in (fitted, first) if much else (fitted,):
         values = member.predicted(record, named)
         model = values[:count] + 1j * values[count:]
-        good = (omega > 0.0) & (np.abs(model) > 0.0) & (np.abs(measured) > 0.0)
-        if not good.any():
+        if not (good & (np.abs(model) > 0.0)).any():
             continue
         if round_about * _area(model) < -(LOOP**2):
             yield _conjugate(record)
@@ -99,16 +105,18 @@ def _of_response(
         if not much:
             yield from _of_path(record, model)
             return
-        ratio = np.log(measured[good] / model[good])
-        for power in (-2, -1, 0, 1, 2):
-            turned = ratio - power * np.log(1j * omega[good])
-            for sign in (1, -1):
-                off = _distance(turned - (0.0 if sign > 0 else 1j * np.pi))
-                told[power, sign] = min(off, told.get((power, sign), np.inf))
-        level = float(np.median(ratio.real))
-        scaled = _distance(ratio - level)
-        if scaled < ALIKE and abs(level) > BETTER * max(scaled, 0.5 * ALIKE):
-            size = float(np.exp(level))
+        for moved in _with_its_peaks(record.frequencies, model, np.where(good, np.abs(measured), 0.0)):
+            both = good & (np.abs(moved) > 0.0)
+            ratio = np.log(measured[both] / moved[both])
+            for power in (-2, -1, 0, 1, 2):
+                turned = ratio - power * np.log(1j * omega[both])
+                for sign in (1, -1):
+                    off = _distance(turned - (0.0 if sign > 0 else 1j * np.pi))
+                    told[power, sign] = min(off, told.get((power, sign), np.inf))
+            level = float(np.median(ratio.real))
+            scaled = _distance(ratio - level)
+            if scaled < ALIKE and abs(level) > BETTER * max(scaled, 0.5 * ALIKE):
+                size = float(np.exp(level))
     power, sign = min(told, key=lambda key: told[key], default=(0, 1))
     if (power, sign) == (0, 1) or told[power, sign] > min(ALIKE, told[0, 1] / BETTER):
         if size != 1.0:
@@ -125,6 +133,48 @@ def _of_response(
         )
     else:
         yield f"{record.name} looks like the model's response{other}: turn the direction of its output or its input."
+
+
+def _above_noise(record: ResponseRecord) -> np.ndarray:
+    """Return where a response is above its noise, as it was told, or as neighbouring frequencies scatter.
+
+    Second differences of white noise have six times its variance. All frequencies where few are above it.
+    """
+    values = record.values
+    if record.noise is not None:
+        size = np.asarray(record.noise)[: len(values)]
+    else:
+        second = np.diff(values, 2)
+        parts = np.abs(np.concatenate([second.real, second.imag]))
+        scatter = float(np.median(parts)) if len(parts) else 0.0
+        size = np.full(len(values), MEDIAN_TO_DEVIATION * scatter / np.sqrt(6.0))
+    above = np.abs(values) > CLEAR * size
+    return above if np.count_nonzero(above) >= FEWEST_CLEAR else np.ones(len(values), dtype=bool)
+
+
+def _with_its_peaks(frequencies: Floats, model: np.ndarray, size: Floats) -> Iterator[np.ndarray]:
+    """Yield the response of a model, and with all its frequencies in another proportion: its peaks at those measured.
+
+    A stiffness that is not known yet moves all peaks alike; beside a sharp peak nothing can be compared.
+
+    Args:
+        frequencies: Hz; model: its response; size: of what was measured, 0 where that is not known.
+    """
+    yield model
+    there, here = (_largest_peaks(one) for one in (np.abs(model), size))
+    for one in here:
+        for other in there:
+            part = frequencies[one] / frequencies[other]
+            if one != other and 1.0 / MOST_MOVED < part < MOST_MOVED:
+                at = frequencies / part
+                yield np.interp(at, frequencies, model.real) + 1j * np.interp(at, frequencies, model.imag)
+
+
+def _largest_peaks(size: Floats) -> Integers:
+    """Return where the largest peaks are, at most three."""
+    peaks, _ = find_peaks(size)
+    found: Integers = peaks[np.argsort(-size[peaks])[:3]]
+    return found
 
 
 def _area(response: np.ndarray) -> float:

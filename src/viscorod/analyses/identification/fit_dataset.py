@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.analyses.identification.case_numbers import keys_of, number_at
 from viscorod.analyses.identification.laws import Compared
 from viscorod.analyses.identification.named_combinations import Combination
 from viscorod.analyses.identification.told import at_signal, whiteness
-from viscorod.casefile.unit_conversion import unit_at
-from viscorod.results.identification import Foretold, Identification
+from viscorod.analyses.identification.unit_of import unit_of
+from viscorod.results.identification import Identification
+from viscorod.results.identified import Foretold
 from viscorod.solve.estimation.intervals import Interval
 from viscorod.solve.estimation.posterior import Draws
 from viscorod.typing import Floats
@@ -85,7 +85,7 @@ def _of_unknowns(found: Fitted, limits: Sequence[Interval]) -> dict[str, Any]:
     low_open |= np.array([log and one.low <= 0.0 for log, one in zip(logarithmic, limits, strict=True)])
     return {
         "unknown": _words(unknowns.names),
-        "unknown_unit": _words(_unit(found, one.name) for one in unknowns),
+        "unknown_unit": _words(unit_of(found.members, one.name) for one in unknowns),
         "nuisance": _floats(one.nuisance for one in unknowns),
         "start": _floats(one.start for one in unknowns),
         "estimate": found.estimate.values,
@@ -99,20 +99,6 @@ def _of_unknowns(found: Fitted, limits: Sequence[Interval]) -> dict[str, Any]:
         "covariance": known.matrix * np.outer(size, size),
         "unseen": known.unseen.reshape(-1, len(unknowns)),
     }
-
-
-def _unit(found: Fitted, name: str) -> str:
-    """Return the SI unit of an unknown, empty where none is known."""
-    for member in found.members:
-        for record in member.records:
-            one = record.nuisances.get(name)
-            if one is not None and one.key is None:
-                return str(record.unit_of(one))
-        key = member.key_of(name)
-        if key is not None:
-            own = next(one for one in keys_of(key) if number_at(member.case, one) is not None)
-            return unit_at(member.case.content, own)
-    return ""
 
 
 def _of_values(found: Fitted) -> dict[str, Any]:
@@ -189,7 +175,9 @@ def _of_series(found: Fitted) -> dict[str, Any]:
             size if series.told else 0.0 for (series, _), size in zip(pairs, typical, strict=True)
         ),
         "noise_order": _floats(len(noise.terms) for _, noise in pairs),
-        "effective_count": _floats(series.count * noise.effective_part for series, noise in pairs),
+        "effective_count": _floats(
+            series.count * noise.effective_part(series.count) for series, noise in pairs
+        ),
         "whiteness": _floats(whiteness(best)),
         "at_signal": _floats(at_signal(best)),
     }

@@ -20,7 +20,7 @@ from viscorod.errors import InputError
 from viscorod.records.free_decay import decay
 from viscorod.records.motion_record import Record
 from viscorod.results.decay_result import Decay
-from viscorod.results.identification import Foretold
+from viscorod.results.identified import Foretold
 from viscorod.solve.estimation.intervals import Covariance
 
 if TYPE_CHECKING:

@@ -22,6 +22,7 @@ def law_sentences(
     errors: Floats,
     count: float,
     lost_outside: Mapping[str, float],
+    undamped: Sequence[str] = (),
 ) -> list[str]:
     """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
 
@@ -30,6 +31,7 @@ def law_sentences(
         errors: of records left out over their noise, zeros where none was.
         count: effective number of values.
         lost_outside: part of the lost energy that drag took, by law.
+        undamped: laws whose clamp gives way, and whose damping there is not told from none.
     """
     out = []
     excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
@@ -41,7 +43,7 @@ def law_sentences(
         out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
     else:
         out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
-    out += _outside(names, aicc, alike, lost_outside)
+    out += _outside(names, aicc, alike, lost_outside, undamped)
     if errors.any():
         first = int(np.argmin(errors))
         listed = ", ".join(
@@ -53,7 +55,11 @@ def law_sentences(
 
 
 def _outside(
-    names: Sequence[str], aicc: Floats, alike: Sequence[str], lost_outside: Mapping[str, float]
+    names: Sequence[str],
+    aicc: Floats,
+    alike: Sequence[str],
+    lost_outside: Mapping[str, float],
+    undamped: Sequence[str],
 ) -> list[str]:
     """Return whether part of the damping is not the material's."""
     out = []
@@ -66,7 +72,9 @@ def _outside(
             continue
         what = " and ".join(OUTSIDE[part] for part in others)
         share = f", {100.0 * lost_outside[name]:.2g} % of the lost energy" if name in lost_outside else ""
-        if merit[pure] - merit[name] > EXCLUDED:
+        if merit[pure] - merit[name] > EXCLUDED and others == ["clamp_loss"] and name in undamped:
+            text = f"The clamp gives way: {pure} alone is excluded. Whether the clamp damps these data do not tell."
+        elif merit[pure] - merit[name] > EXCLUDED:
             text = f"Part of the damping is not the material's: {what} takes its part{share}; "
             text += f"{pure} alone is excluded."
         else:

@@ -9,7 +9,8 @@ from __future__ import annotations
 import copy
 import math
 import re
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 from viscorod.analyses.identification.sought import Range
@@ -17,12 +18,10 @@ from viscorod.casefile.case import Case, case_from_dict
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
-__all__ = ["variant"]
+__all__ = ["Frequencies", "variant"]
 
 START = 0.05
 """Loss factor at which the search for one begins."""
-BAND = 10.0
-"""A flat loss factor holds from the frequency of the record over this to that times this."""
 DECADE = 10.0
 """Ratio of the relaxation times of neighbouring branches."""
 MOST_BRANCHES = 8
@@ -35,13 +34,34 @@ Content = dict[str, Any]
 Sought = dict[str, Range]
 
 
-def variant(case: Case, words: str, hertz: float) -> tuple[Case, Sought]:
+@dataclass(frozen=True)
+class Frequencies:
+    """Of records: at which they vibrate, in the mean, and the lowest and highest that they hold, Hz.
+
+    A flat loss is flat in that `band`, which may have units as in a case. Its moduli are those `moduli_at`, Hz; left
+    out, those in the middle of the band.
+    """
+
+    middle: float
+    band: Sequence[Any]
+    moduli_at: Any = None
+
+    def of_case(self, case: Case) -> Frequencies:
+        """Return them with the band of a flat loss that the case has; else its moduli are those of the records."""
+        for material in case.content.get("materials", {}).values():
+            own = material.get("damping") if isinstance(material, Mapping) else None
+            if isinstance(own, Mapping) and own.get("kind") == "loss_factor" and "band" in own:
+                return replace(self, band=list(own["band"]), moduli_at=own.get("moduli_at"))
+        return replace(self, moduli_at=self.middle)
+
+
+def variant(case: Case, words: str, hertz: Frequencies) -> tuple[Case, Sought]:
     """Return a case with another law of damping, and the numbers of that with their starts.
 
     Args:
         case: with one material.
         words: of the law.
-        hertz: frequency of the records, Hz.
+        hertz: frequencies of the records.
 
     Raises:
         InputError: a word is not known, or the case has not what it needs.
@@ -74,26 +94,28 @@ def variant(case: Case, words: str, hertz: float) -> tuple[Case, Sought]:
     return case_from_dict({"title": case.title, **content}, case.source), sought
 
 
-def _elastic(content: Content, material: str, _hertz: float) -> Sought:
+def _elastic(content: Content, material: str, _hertz: Frequencies) -> Sought:
     content["materials"][material].pop("damping", None)
     return {}
 
 
-def _kelvin_voigt(content: Content, material: str, hertz: float) -> Sought:
-    tau = START / (2.0 * math.pi * hertz)
+def _kelvin_voigt(content: Content, material: str, hertz: Frequencies) -> Sought:
+    tau = START / (2.0 * math.pi * hertz.middle)
     content["materials"][material]["damping"] = {"shear_time": tau, "bulk_time": tau}
     path = f"materials.{material}.damping"
     return {f"{path}.shear_time, {path}.bulk_time": tau}
 
 
-def _flat_loss(content: Content, material: str, hertz: float) -> Sought:
-    band = [hertz / BAND, hertz * BAND]
-    content["materials"][material]["damping"] = {"kind": "loss_factor", "extension": START, "band": band}
+def _flat_loss(content: Content, material: str, hertz: Frequencies) -> Sought:
+    flat = {"kind": "loss_factor", "extension": START, "band": list(hertz.band)}
+    if hertz.moduli_at is not None:
+        flat["moduli_at"] = hertz.moduli_at
+    content["materials"][material]["damping"] = flat
     return {f"materials.{material}.damping.extension": (1e-5, START, 0.9)}
 
 
-def _branches(content: Content, material: str, hertz: float, count: int) -> Sought:
-    middle = 1.0 / (2.0 * math.pi * hertz)
+def _branches(content: Content, material: str, hertz: Frequencies, count: int) -> Sought:
+    middle = 1.0 / (2.0 * math.pi * hertz.middle)
     times = [middle * DECADE ** (k - 0.5 * (count - 1)) for k in range(count)]
     ratios = [2.0 * START / count] * count
     path = f"materials.{material}.damping"
@@ -108,7 +130,7 @@ def _branches(content: Content, material: str, hertz: float, count: int) -> Soug
     return sought
 
 
-def _air_drag(case: Case, content: Content, _hertz: float) -> Sought:
+def _air_drag(case: Case, content: Content, _hertz: Frequencies) -> Sought:
     loads = content.setdefault("loads", [])
     keys = []
     for name, rod in case.description.rods.items():
@@ -124,7 +146,7 @@ def _air_drag(case: Case, content: Content, _hertz: float) -> Sought:
     return {", ".join(keys): 1.2}
 
 
-def _clamp_loss(case: Case, content: Content, hertz: float) -> Sought:
+def _clamp_loss(case: Case, content: Content, hertz: Frequencies) -> Sought:
     clamps = [one for one in content.get("supports", []) if one.get("kind") == "clamp"]
     if len(clamps) != 1:
         raise InputError(
@@ -133,7 +155,7 @@ def _clamp_loss(case: Case, content: Content, hertz: float) -> Sought:
     place = clamps[0]["at"]
     rod = case.description.rods[str(place).split(".")[0].split("@")[0]]
     stiffness = STIFF * float(rod.matrices_at(0.0)[0][3:5, 3:5].diagonal().max()) / rod.length
-    damping = START * stiffness / (2.0 * math.pi * hertz)
+    damping = START * stiffness / (2.0 * math.pi * hertz.middle)
     content["supports"] = [
         {"kind": "pin", "at": place} if one is clamps[0] else one for one in content["supports"]
     ]
@@ -153,12 +175,12 @@ def _clamp_loss(case: Case, content: Content, hertz: float) -> Sought:
     }
 
 
-_OF_MATERIAL: dict[str, Callable[[Content, str, float], Sought]] = {
+_OF_MATERIAL: dict[str, Callable[[Content, str, Frequencies], Sought]] = {
     "elastic": _elastic,
     "kelvin_voigt": _kelvin_voigt,
     "flat_loss": _flat_loss,
 }
-_OUTSIDE: dict[str, Callable[[Case, Content, float], Sought]] = {
+_OUTSIDE: dict[str, Callable[[Case, Content, Frequencies], Sought]] = {
     "air_drag": _air_drag,
     "clamp_loss": _clamp_loss,
 }

@@ -17,13 +17,15 @@ from viscorod.analyses.identification.foretold import (
     unlike,
 )
 from viscorod.analyses.identification.law_sentences import EXCLUDED, law_sentences
-from viscorod.analyses.identification.law_words import variant
+from viscorod.analyses.identification.law_words import Frequencies, variant
 from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.record_frequencies import dominant_frequencies, held_band
 from viscorod.analyses.identification.sought import Range
-from viscorod.analyses.identification.told import dominant_frequencies, missed, number_text
+from viscorod.analyses.identification.told import missed, number_text, value_text
+from viscorod.analyses.identification.unit_of import unit_of
 from viscorod.casefile.case import Case
 from viscorod.errors import InputError, SolveError
-from viscorod.results.identification import Foretold
+from viscorod.results.identified import Foretold
 from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.intervals import Covariance, covariance
@@ -75,7 +77,8 @@ class Compared:
         """
         words = [[self.words[0][0], _values(last, last.known)], *self.words[1:]]
         last_known, before_known = (last.estimate.z, last.known), (self.found.estimate.z, _known(self.found))
-        moved = moved_numbers(last.unknowns, last_known, before_known)
+        units = [unit_of(last.members, name) for name in last.unknowns.names]
+        moved = moved_numbers(last.unknowns, last_known, before_known, units)
         if not moved:
             return replace(self, words=words)
         text = (
@@ -107,13 +110,17 @@ class _One:
 
 
 def moved_numbers(
-    unknowns: Unknowns, last: tuple[Floats, Covariance], before: tuple[Floats, Covariance]
+    unknowns: Unknowns,
+    last: tuple[Floats, Covariance],
+    before: tuple[Floats, Covariance],
+    units: Sequence[str],
 ) -> list[str]:
     """Return the numbers of a model, with both values, that two estimates put farther apart than both are known.
 
     Args:
         unknowns: that were sought.
         last, before: their coordinates ``(p,)`` in each estimate, and what is known of them.
+        units: of the unknowns, SI.
     """
     found = []
     values = [unknowns.values(z) for z, _ in (last, before)]
@@ -122,7 +129,8 @@ def moved_numbers(
             continue
         size = float(np.hypot(*(known.deviations[k] for _, known in (last, before))))
         if abs(last[0][k] - before[0][k]) > APART * size:
-            found.append(f"{one.name} ({values[0][k]:.5g} and {values[1][k]:.5g})")
+            texts = [value_text(float(f"{value[k]:.5g}"), units[k]) for value in values]
+            found.append(f"{one.name} ({' and '.join(texts)})")
     return found
 
 
@@ -151,7 +159,7 @@ def compared_laws(
     Raises:
         InputError: a word is not known, or a case does not fit it.
     """
-    hertz = _frequency(pairs)
+    hertz = _frequencies(pairs, left_out)
     damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
     own = any(key.startswith(damping) for key in parameters)
     swings = swings_of(left_out)
@@ -176,7 +184,7 @@ def compared_laws(
     count = noise.effective_count
     squares = {one.name: _square(noise, one.found) for one in done}
     merits = {
-        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series))
+        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series), noise.count)
         for one in done
     }
     told = [one for law in done for one in law.foretold]
@@ -201,9 +209,10 @@ def compared_laws(
     }
     words = [[one.name, _values(one.found, _known(one.found))] for one in done]
     shares = {one.name: _lost_outside(one) for one in done if "air_drag" in one.name}
+    undamped = [one.name for one in done if "clamp_loss" in one.name and not _clamp_damps(one)]
     lost = {name: share for name, share in shares.items() if share is not None}
     sentences = [
-        *law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost),
+        *law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost, undamped),
         *foretold_sentences(told, apart, names[0]),
         *amplitude_sentences(swings_of(pairs), swings, names[0]),
     ]
@@ -217,7 +226,9 @@ def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:
     Raises:
         InputError: there is one.
     """
-    hertz = _frequency(pairs) if laws else 0.0
+    if not laws:
+        return
+    hertz = _frequencies(pairs)
     for name in laws:
         _variants(pairs, name, hertz)
 
@@ -236,7 +247,7 @@ def _fitted(
     nuisances: Mapping[str, Range],
     name: str,
     left_out: Pairs,
-    hertz: float,
+    hertz: Frequencies,
     begin: Mapping[str, float],
 ) -> _One | str:
     changed, own = _variants(pairs, name, hertz)
@@ -262,7 +273,7 @@ def _fitted(
     return _One(name, changed, {**kept, **own}, found, prediction)
 
 
-def _variants(pairs: Pairs, name: str, hertz: float) -> tuple[list[tuple[Case, Any]], dict[str, Range]]:
+def _variants(pairs: Pairs, name: str, hertz: Frequencies) -> tuple[list[tuple[Case, Any]], dict[str, Range]]:
     """Return the pairs with another law; pairs of one case share the new one."""
     if name == OWN:
         return list(pairs), {}
@@ -276,13 +287,17 @@ def _variants(pairs: Pairs, name: str, hertz: float) -> tuple[list[tuple[Case, A
     return [(made[id(case)][0], record) for case, record in pairs], own
 
 
-def _frequency(pairs: Pairs) -> float:
-    found = [hertz for listed in dominant_frequencies(members_of(pairs)) for hertz in listed]
-    if not found:
+def _frequencies(pairs: Pairs, left_out: Pairs = ()) -> Frequencies:
+    """Return the mean frequency at which records move, and the band of all, those left out too."""
+    members = members_of(pairs)
+    found = [hertz for listed in dominant_frequencies(members) for hertz in listed]
+    band = held_band([*members, *members_of(left_out)])
+    if not found or band is None:
         raise InputError(
-            "laws: the records show no frequency at which damping could be compared; give histories or modes"
+            "laws: the records show no frequency at which damping could be compared; give histories, modes or responses"
         )
-    return float(np.exp(np.mean(np.log(found))))
+    # one material in all cases, so that those left out have the same one
+    return Frequencies(float(np.exp(np.mean(np.log(found)))), band).of_case(pairs[0][0])
 
 
 def _noise(found: Fitted) -> Noise:
@@ -323,13 +338,25 @@ def _values(found: Fitted, known: Covariance) -> str:
             continue
         value = float(found.estimate.values[k])
         size = 1.96 * float(known.deviations[k]) * (value if one.logarithmic else one.scale)
-        short = one.name.split(",")[0].split(".", 2)[-1]
+        key = one.name.split(",")[0]
+        short = key.split(".", 2)[-1] if key.startswith("materials.") else key
         told = known.told(np.eye(len(found.unknowns))[k])
         texts.append(
-            f"{short} {number_text(value, value - size, value + size)}" if told else f"{short} not told"
+            f"{short} {number_text(value, value - size, value + size, unit_of(found.members, one.name))}"
+            if told
+            else f"{short} not told"
         )
     worth = f" ({TOO_NARROW})" if missed(found.estimate) and any("+-" in text for text in texts) else ""
     return "; ".join(texts) + worth
+
+
+def _clamp_damps(one: _One) -> bool:
+    """Return whether the damping of a clamp that gives way is told from none: by two standard errors."""
+    known = _known(one.found)
+    for k, axis in enumerate(np.eye(len(one.found.unknowns))):
+        if one.found.unknowns[k].name.startswith("springs[") and ".damping." in one.found.unknowns[k].name:
+            return bool(known.told(axis)) and float(known.deviations[k]) < 0.5
+    return True
 
 
 def _lost_outside(one: _One) -> float | None:

@@ -2,25 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.named_combinations import Combination
+from viscorod.results.text_numbers import scaled
 from viscorod.solve.estimation.intervals import Covariance, Interval
 from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.solve.estimation.noise import Series, ljung_box
-from viscorod.typing import Floats
 
 __all__ = [
     "CORRELATED",
     "at_signal",
-    "dominant_frequencies",
     "missed",
     "much_left",
     "number_text",
     "sentences_of",
+    "value_text",
     "whiteness",
 ]
 
@@ -36,29 +35,6 @@ PARTS = 0.15
 SIGNAL, MISSED = 0.25, 0.2
 """Relative width of the band about the frequency of a record, and the part of the residuals' power there, above
 what noise of its colour would have, from which on the model misses part of the motion."""
-
-
-def dominant_frequencies(members: Sequence[Member]) -> list[list[float]]:
-    """Return the frequencies at which the records of every case move, Hz, at most three."""
-    found = []
-    for member in members:
-        hertz: list[float] = []
-        for record in member.records:
-            if record.analysis == "modes":
-                hertz += np.asarray(record.frequencies, dtype=float).tolist()
-            elif getattr(record, "interval", None) is not None:
-                hertz += [_peak(np.asarray(record.observed), record.interval)]
-        unlike: list[float] = []
-        for one in hertz:
-            if one > 0.0 and all(abs(one / other - 1.0) > 0.05 for other in unlike):
-                unlike.append(one)
-        found.append(unlike[:3])
-    return found
-
-
-def _peak(values: Floats, interval: float) -> float:
-    power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)), 8 * len(values))) ** 2
-    return float(np.argmax(power) / (8 * len(values) * interval))
 
 
 def whiteness(best: Estimate) -> list[float]:
@@ -119,9 +95,19 @@ def much_left(best: Estimate, series: Series) -> bool:
 
 
 def sentences_of(
-    best: Estimate, known: Covariance, limits: Sequence[Interval], told: Sequence[Combination]
+    best: Estimate,
+    known: Covariance,
+    limits: Sequence[Interval],
+    told: Sequence[Combination],
+    units: Mapping[str, str],
 ) -> list[str]:
-    """Return what the fit says in words, what matters most first."""
+    """Return what the fit says in words, what matters most first.
+
+    Args:
+        best: the estimate; known: its covariance; limits: intervals of the unknowns.
+        told: what the data tell of several together.
+        units: of the unknowns by name, SI.
+    """
     names = best.unknowns.names
     found: list[str] = []
     named: list[set[str]] = []
@@ -145,7 +131,8 @@ def sentences_of(
         low, high = bounds[0][k], bounds[1][k]
         if np.isfinite(high - low) and min(best.z[k] - low, high - best.z[k]) < 1e-6 * (high - low):
             end = unknown.low if best.z[k] - low < high - best.z[k] else unknown.high
-            found.append(f"{unknown.name} is at its bound {end:.6g}: the data want it beyond.")
+            text = value_text(end, units.get(unknown.name, ""))
+            found.append(f"{unknown.name} is at its bound {text}: the data want it beyond.")
         elif not limit.told and known.told(np.eye(len(names))[k]):
             open_end = "above" if np.isfinite(limit.low) and limit.low > 0.0 else "below"
             found.append(f"Nothing limits {unknown.name} from {open_end}.")
@@ -179,7 +166,7 @@ def _of_residuals(best: Estimate) -> list[str]:
         elif larger or series.label in of_these:
             part = float(np.sqrt(np.mean((best.residuals[series.rows] / series.noise) ** 2)))
             level = (
-                level or f"{100.0 * part:.2g} % of {'it' if series.group == 'frequencies' else 'its spread'}"
+                level or f"{_percent(part)} % of {'it' if series.group == 'frequencies' else 'its spread'}"
             )
             found.append(
                 f"What is left of {series.label} is {level}: the model misses something, or the noise is larger."
@@ -187,9 +174,22 @@ def _of_residuals(best: Estimate) -> list[str]:
     return found
 
 
+def _percent(part: float) -> str:
+    """Return a part in percent, to two digits, without powers of ten."""
+    return f"{100.0 * part:.2g}" if part < 0.995 else f"{100.0 * part:.0f}"
+
+
+def value_text(value: float, unit: str) -> str:
+    """Return a number with its unit, in the prefix in which a person reads it: "1 MPa"."""
+    factor, shown = scaled(unit, [value]) if unit not in ("", "1") else (1.0, "")
+    return f"{factor * value:.6g} {shown}".rstrip()
+
+
 def number_text(value: float, low: float, high: float, unit: str = "") -> str:
     """Return a number with its interval: "0.0204 +- 0.0003 s", or with both ends where they are not alike."""
-    unit = "" if unit in ("", "1") else f" {unit}"
+    factor, shown = scaled(unit, [value]) if unit not in ("", "1") else (1.0, "")
+    value, low, high = factor * value, factor * low, factor * high
+    unit = f" {shown}" if shown else ""
     if not np.isfinite(low) or not np.isfinite(high):
         return f"{value:.4g}{unit} ({low:.4g} to {high:.4g})"
     below, above = value - low, high - value

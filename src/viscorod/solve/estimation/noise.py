@@ -23,7 +23,16 @@ from viscorod.solve.estimation.autoregression import (
 )
 from viscorod.typing import Floats
 
-__all__ = ["Noise", "Series", "SeriesNoise", "autocorrelation", "leverage", "ljung_box", "noise_of"]
+__all__ = [
+    "MEDIAN_TO_DEVIATION",
+    "Noise",
+    "Series",
+    "SeriesNoise",
+    "autocorrelation",
+    "leverage",
+    "ljung_box",
+    "noise_of",
+]
 
 LEAST_OWN = 30
 """Values that a series must have for a noise level of its own; smaller ones share one."""
@@ -33,6 +42,8 @@ LARGER = 0.01
 """Probability of such residuals below which noise that was told counts as larger."""
 HUBER = 1.345
 """Residuals beyond so many standard deviations count less in a robust fit (95 % efficient for normal noise)."""
+LAGS = 4000
+"""Of autocorrelations that count, at most."""
 MEDIAN_TO_DEVIATION = 1.4826
 """Median of the sizes of normal noise times this is its standard deviation."""
 
@@ -102,13 +113,16 @@ class SeriesNoise:
         partials[k] = np.tanh(np.arctanh(partials[k]) + step)
         return replace(self, partials=partials, factor=self.factor * self.innovation / terms_of(partials)[1])
 
-    @property
-    def effective_part(self) -> float:
-        """Effective over actual number of values, for the variance of their mean square: 1/sum rho_k^2."""
+    def effective_part(self, count: int) -> float:
+        """Return the effective over the actual number of values, for the variance of their mean square.
+
+        That is ``1/sum (1 - k/n) rho_k^2`` of n values: those of a lasting vibration are two.
+        """
         if not len(self.partials):
             return 1.0
-        rho = autocorrelation_of(self.terms, 400)
-        return float(1.0 / (1.0 + 2.0 * np.sum(rho[1:] ** 2)))
+        lags = min(count - 1, LAGS)
+        rho = autocorrelation_of(self.terms, lags)[1 : lags + 1]
+        return float(1.0 / (1.0 + 2.0 * np.sum((1.0 - np.arange(1, lags + 1) / count) * rho**2)))
 
 
 @dataclass(frozen=True)
@@ -130,10 +144,16 @@ class Noise:
         return out
 
     @property
+    def count(self) -> int:
+        """Number of values of all series."""
+        return sum(series.count for series in self.series)
+
+    @property
     def effective_count(self) -> float:
         """Effective number of values of all series."""
         return sum(
-            noise.effective_part * series.count for series, noise in zip(self.series, self.found, strict=True)
+            noise.effective_part(series.count) * series.count
+            for series, noise in zip(self.series, self.found, strict=True)
         )
 
 
