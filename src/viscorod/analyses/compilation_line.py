@@ -10,7 +10,7 @@ from typing import Any
 __all__ = ["CompilationLine", "end_compilation_line"]
 
 COSTS = {
-    "try_step": 21.7,
+    "try_step": 8.8,
     "assemble": 13.7,
     "reduce": 4.2,
     "read_between": 2.4,

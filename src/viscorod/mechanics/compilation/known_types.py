@@ -13,13 +13,11 @@ import numba
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON, on_disk
+from viscorod.mechanics.compilation.shared import kinds_of
 
 __all__ = ["KnownTypes"]
 
 Code = Callable[..., Any]
-
-_LAYOUT = 0x0001 | 0x0002 | 0x0400
-"""NumPy's flags of C and Fortran order, and of arrays that may be written."""
 
 
 class KnownTypes:
@@ -77,7 +75,7 @@ class KnownTypes:
         """Return what Numba compiled for these arguments, which are of the types of all calls."""
         if self._compiled is not None:
             return self._compiled
-        key = self._kernel, _kinds(arguments)
+        key = self._kernel, kinds_of(arguments)
         found = self._found.get(key)
         if found is None:
             dispatcher: Any = self._kernel
@@ -87,12 +85,3 @@ class KnownTypes:
             found = self._found[key] = dispatcher.overloads[types]
         self._compiled = found
         return found
-
-
-def _kinds(value: Any) -> Any:
-    """Return what the type of an argument depends on."""
-    if isinstance(value, np.ndarray):
-        return value.dtype.char, value.ndim, value.flags.num & _LAYOUT
-    if isinstance(value, tuple):
-        return type(value), *(_kinds(item) for item in value)
-    return type(value)

@@ -30,7 +30,8 @@ MAKES = "VISCOROD_MAKES_MACHINE_CODE"
 """The folder that machine code for a wheel is written to, in the environment of the process that makes it."""
 
 _MARK = re.compile(rb"^@(kernel|part|lane_kernel|loop|exact_part)$", re.MULTILINE)
-_IMPORTED = re.compile(rb"^\s*(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
+_IMPORTED = re.compile(rb"^(?:from|import) viscorod\.([\w.]+)", re.MULTILINE)
+"""What a module imports when it is imported, not within functions or for annotations alone."""
 
 _config: Any = numba.config
 _Cache: Any = FunctionCache

@@ -137,17 +137,22 @@ def referred(kind: Any) -> Any:
     return _numba.NamedTuple(found, kind.instance_class)
 
 
-def numbers_of(context: Any, builder: Any, kind: Any, value: Any) -> list[Any]:
-    """Return the numbers as which a value is handed to a compiled function, read from what references point to."""
-    model = context.data_model_manager[kind.kind if isinstance(kind, Reference) else kind]
-    if isinstance(kind, Reference):
+def numbers_of(context: Any, builder: Any, kind: Any, value: Any, *, whole: bool = True) -> list[Any]:
+    """Return the numbers as which a value is handed to a compiled function.
+
+    Args:
+        kind, value: of the value; whole: bundles are read from where references to them point.
+    """
+    reads = whole and isinstance(kind, Reference)
+    model = context.data_model_manager[kind.kind if reads else kind]
+    if reads:
         return _stored(builder, model, value)
     if not isinstance(kind, _tuples):
         return _flat(model.as_argument(builder, value))
     return [
         number
         for place, member in enumerate(kind)
-        for number in numbers_of(context, builder, member, builder.extract_value(value, place))
+        for number in numbers_of(context, builder, member, builder.extract_value(value, place), whole=whole)
     ]
 
 

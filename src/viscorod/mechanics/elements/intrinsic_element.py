@@ -78,6 +78,14 @@ class StrainMotion(NamedTuple):
             np.zeros((0, *points)),
         )
 
+    @classmethod
+    def none(cls) -> StrainMotion:
+        """Return those of elements whose strains follow from poses."""
+        at_start, at_stages, of_element = np.zeros((0, 0, 6)), np.zeros((0, 0, 0, 6)), np.zeros((0, 6))
+        matrix, right = np.zeros((0, 0)), np.zeros(0)
+        rest = (at_stages, at_stages)
+        return cls(False, at_start, at_stages, at_stages, of_element, of_element, matrix, right, *rest)
+
 
 @part
 def interpolate_twists(

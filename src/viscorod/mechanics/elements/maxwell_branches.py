@@ -68,6 +68,15 @@ class MaxwellArrays(NamedTuple):
             np.zeros((s, 6)),
         )
 
+    @classmethod
+    def none(cls) -> MaxwellArrays:
+        """Return those of a model without branches."""
+        shapes: tuple[tuple[int, ...], ...] = (
+            *((0,), (0, 0, 6, 6), (0, 0, 0), (0, 0, 0, 6, 6), (0, 0, 0, 6), (0, 0, 0, 6), (0, 0, 6)),
+            *((0, 0, 0, 0, 6), (0, 0), (0, 6)),
+        )
+        return cls._make(map(np.zeros, shapes))
+
 
 @kernel
 def remember(

@@ -85,6 +85,24 @@ class JointStates(NamedTuple):
     gap: Floats
     gradient: Floats
 
+    @classmethod
+    def of(cls, states: int, near: Floats, places: int) -> JointStates:
+        """Allocate for a number of states, and of places of multipliers; ``near`` is kept."""
+        c = len(near)
+        return cls(
+            near=near,
+            target=np.zeros((states, c)),
+            multiplier=np.zeros((states, places)),
+            carried=np.zeros((states, c)),
+            value=np.zeros(c),
+            rate=np.zeros((states, c)),
+            force=np.zeros((states, c)),
+            energy=np.zeros(states),
+            power=np.zeros(states),
+            gap=np.zeros((states, places)),
+            gradient=np.zeros(12),
+        )
+
 
 class SpringOperators(NamedTuple):
     """Frozen operators of all coordinates ``(c, 12)``: gradients, and the force's change per increment and rate.

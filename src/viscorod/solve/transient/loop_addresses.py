@@ -33,85 +33,90 @@ def find_addresses(
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
         renew, prepare: of Python's functions.
     """
+    return Addresses(
+        **_of_attempts(integrator, model, given),
+        **_of_systems(integrator, systems),
+        **_of_records(integrator, model, given, states),
+        renew=renew,
+        prepare=prepare,
+        message=np.zeros(4),
+    )
+
+
+def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[str, int]:
+    """Return where a step is predicted, taken and judged."""
     body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
-    K, C, mass, _, directions, _ = integrator.matrices
-    real, pairs, real_rows, pair_rows, scales = integrator.systems.factors
-    now, old, reading, found, h = given.now, given.last, model.reading, states, 1.0
-    where = body.supports, directions, body.pattern, scales
+    now, old, h = given.now, given.last, 1.0
     sides = now.r, now.q, body.split, body.held
     last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
-    begin = ResultFields(given.points[0], given.reactions[0])
-    account, target = integrator.account, integrator.actions.motion.target
-    at_stages = StageFields(
-        stages.twist,
-        stages.strain,
-        stages.strain_rate,
-        stages.stress,
-        given.end.reactions,
-        account.powers,
-    )
-    reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
-    places = integrator.systems.real.places
-    return Addresses(
-        address_of(integrator.trying, kernel_results.ATTEMPTED, lambda: integrator.step_arguments(h)),
-        address_of(
-            integrator.systems.real.reduction,
-            kernel_results.NUMBER,
-            lambda: (systems.real, *places, *_factored(real)),
-        ),
-        address_of(
-            integrator.systems.pairs.reduction,
-            kernel_results.NUMBER,
-            lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
-        ),
-        address_of(
-            integrator.systems.combination,
-            kernel_results.NOTHING,
-            lambda: (K, C, mass, h, *where, real_rows, systems.real),
-        ),
-        address_of(
-            integrator.systems.pair_combination,
-            kernel_results.NOTHING,
-            lambda: (K, C, mass, complex(h), *where, pair_rows[0], systems.pairs[0]),
-        ),
-        address_of(
+    into = given.weights, stages.X, given.stages_stress
+    return {
+        "step": address_of(integrator.trying, kernel_results.ATTEMPTED, lambda: integrator.step_arguments(h)),
+        "predict": address_of(
             integrator.predictor.extrapolation,
             kernel_results.NOTHING,
-            lambda: (tableau, model.gap, last, h, *sides, given.weights, stages.X, given.stages_stress),
+            lambda: (tableau, model.gap, last, h, *sides, *into),
         ),
-        address_of(integrator.turned, kernel_results.TURNED, lambda: (stages.X[0],)),
-        address_of(
+        "turn": address_of(integrator.turned, kernel_results.TURNED, lambda: (stages.X[0],)),
+        "extent": address_of(
             KnownTypes(motion_extent),
             kernel_results.EXTENT,
             lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
         ),
-        address_of(
-            integrator.recorder.ending,
+    }
+
+
+def _of_systems(integrator: Radau, systems: LoopSystems) -> dict[str, int]:
+    """Return where matrices are made and factorised."""
+    own, body, mu = integrator.systems, integrator.body, 1.0
+    K, C, mass, _, directions, _ = integrator.matrices
+    real, pairs, real_rows, pair_rows, scales = own.factors
+    where, places = (body.supports, directions, body.pattern, scales), own.real.places
+    return {
+        "reduce_real": address_of(
+            own.real.reduction,
+            kernel_results.NUMBER,
+            lambda: (systems.real, *places, *_factored(real)),
+        ),
+        "reduce_pair": address_of(
+            own.pairs.reduction,
+            kernel_results.NUMBER,
+            lambda: (systems.pairs[0], *places, *_factored(_first(pairs))),
+        ),
+        "combine_real": address_of(
+            own.combination,
+            kernel_results.NOTHING,
+            lambda: (K, C, mass, mu, *where, real_rows, systems.real),
+        ),
+        "combine_pair": address_of(
+            own.pair_combination,
+            kernel_results.NOTHING,
+            lambda: (K, C, mass, complex(mu), *where, pair_rows[0], systems.pairs[0]),
+        ),
+    }
+
+
+def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: Between) -> dict[str, int]:
+    """Return where ends of steps are read, and states within."""
+    tableau, stages, account, now = integrator.tableau, integrator.stages, integrator.account, given.now
+    reading, target, recorder, h = model.reading, integrator.actions.motion.target, integrator.recorder, 1.0
+    begin = ResultFields(given.points[0], given.reactions[0])
+    reached = MovingPoses(now.r, now.q, now.twist, given.end.rate)
+    fields = stages.twist, stages.strain, stages.strain_rate, stages.stress
+    at_stages = StageFields(*fields, given.end.reactions, account.powers)
+    step = h, tableau, given.last, reached, begin, at_stages, h, reading
+    return {
+        "end": address_of(
+            recorder.ending,
             kernel_results.ENDED,
             lambda: (h, tableau, stages, account, target, reading, given.kept, given.end),
         ),
-        address_of(
-            integrator.recorder.reading_between,
+        "between": address_of(
+            recorder.reading_between,
             kernel_results.NOTHING,
-            lambda: (
-                np.zeros(1),
-                h,
-                tableau,
-                old,
-                reached,
-                begin,
-                at_stages,
-                h,
-                reading,
-                True,
-                True,
-                found,
-            ),
+            lambda: (np.zeros(1), *step, True, True, states),
         ),
-        renew,
-        prepare,
-        np.zeros(4),
-    )
+    }
 
 
 def _factored(factors: Factors) -> tuple[object, ...]:

@@ -9,7 +9,7 @@ from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.integrators import loop_data
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, StepEnd
-from viscorod.solve.transient.integrators.stage_data import Matrices, StepStart
+from viscorod.solve.transient.integrators.stage_data import Matrices
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.typing import Floats
@@ -39,14 +39,10 @@ def loop_arrays(
     clock = np.zeros(loop_data.CLOCK)
     return loop_data.StepLoop(
         model=loop_data.LoopModel(
-            body,
-            integrator.actions.motion,
-            integrator.actions.stage_loads,
-            lent.parts,
+            lent.task,
             lent.reading,
             integrator.predictor.gap,
         ),
-        method=integrator.tableau,
         systems=loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places),
         state=state,
         calls=NOWHERE,
@@ -56,19 +52,15 @@ def loop_arrays(
         control=control.numbers,
         trials=np.zeros(loop_data.TRIALS),
         batch=_batch(len(body.mass), fields.shape[1], len(reaction)),
-        backup=_backup(state, lent.parts.matrices, clock),
+        backup=_backup(state, lent.task.bundle.matrices, clock),
     )
 
 
 def _state(integrator: Radau, points: int, supports: int) -> loop_data.LoopState:
-    stages, lent, n, s = (
-        integrator.stages,
-        integrator.lent,
-        len(integrator.body.mass),
-        len(integrator.tableau.nodes),
-    )
+    stages, lent = integrator.stages, integrator.lent
+    n, s = len(integrator.body.mass), len(integrator.tableau.nodes)
     return loop_data.LoopState(
-        StepStart(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.force),
+        lent.task.bundle.start,
         MovingPoses(np.empty((n, 3)), np.empty((n, 4)), np.empty((n, 6)), lent.start_rate),
         lent.kept,
         integrator.predictor.stresses.reshape(s + 1, -1),

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.compilation.shared import Shared
 from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
@@ -73,8 +74,10 @@ class ManySteps:
     ) -> None:
         self.integrator, self.control = integrator, control
         self._loop = loop_arrays(integrator, control, duration, output_interval)
+        self._factors = integrator.systems.factors
         self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
         self._addresses: loop_data.Addresses | None = None
+        self._shared: dict[int, Shared[loop_data.StepLoop]] = {}
         self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
 
@@ -111,8 +114,7 @@ class ManySteps:
     @property
     def ready(self) -> bool:
         """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
-        factors, known = self.integrator.systems.factors, self._loop.model.parts.factors
-        return factors is known and self.integrator.predictor.last is not None
+        return self.integrator.systems.factors is self._factors and self.integrator.predictor.last is not None
 
     def take(
         self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
@@ -134,7 +136,7 @@ class ManySteps:
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: loop_data.MARKS]
-        why = self._steps.call(*self._arguments(self._addressed()))
+        why = self._steps.call(self._arguments(self._addressed()).argument)
         self._finish()
         steps = int(numbers[loop_data.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
@@ -198,10 +200,14 @@ class ManySteps:
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls."""
-        self._steps.compiled(self._arguments(NOWHERE))
+        self._steps.compiled((self._arguments(NOWHERE).argument,))
 
-    def _arguments(self, addresses: loop_data.Addresses) -> tuple[Any, ...]:
-        return (self._loop._replace(calls=addresses),)
+    def _arguments(self, addresses: loop_data.Addresses) -> Shared[loop_data.StepLoop]:
+        """Return what the loop works on, in memory; loads are asked for in some calls only."""
+        found = self._shared.get(addresses.prepare)
+        if found is None:
+            found = self._shared[addresses.prepare] = Shared(self._loop._replace(calls=addresses))
+        return found
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.

@@ -46,10 +46,10 @@ from viscorod.solve.transient.integrators.stage_data import (
     StageFactors,
     StageLoads,
     Stages,
-    StepAccount,
     SupportMotion,
     Work,
 )
+from viscorod.solve.transient.integrators.step_task import StepAccount
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.solve.transient.load_content import StepContent
 

@@ -130,7 +130,7 @@ class Collocation(StageModel):
     @property
     def lent(self) -> Lent:
         """What the compiled loop of steps works on."""
-        return Lent(self._parts, self._kept, self._force, self.recorder.reading, self.recorder.start_rate)
+        return Lent(self.share(), self._kept, self.recorder.reading, self.recorder.start_rate)
 
     def lend(self, state: State) -> Course:
         """Let the compiled loop go on, which changes the arrays of ``state``, the present one; return how it stands."""

@@ -6,8 +6,7 @@ into changes of all stages, which move the nodes and carry the stresses along (s
 Wanner 1996, IV.8; stresses as iterates of their own, see ``collocation``). The last evaluation, with the stresses that
 belong to the poses, is the step.
 
-Parts that a model may lack are None, and the compiled code has nothing of them then: ``ends`` of the midpoint rule,
-``strains`` of the intrinsic formulation, ``links`` (joints, springs and held strains), ``branches`` (Maxwell).
+It is compiled once, for all methods, formulations and models (see ``step_task``).
 """
 
 from __future__ import annotations
@@ -15,23 +14,9 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compilation.compiled import kernel
-from viscorod.mechanics.compilation.references import refer
-from viscorod.mechanics.elements.internal_force import GaussStates
-from viscorod.mechanics.elements.intrinsic_element import StrainMotion
-from viscorod.mechanics.elements.maxwell_branches import MaxwellArrays, stretch_springs
-from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
+from viscorod.solve.transient.integrators.constraint_arrays import GAP
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED, GOING, SLOW, judge
-from viscorod.solve.transient.integrators.stage_data import (
-    Discretisation,
-    Ends,
-    IterationLimits,
-    StageLoads,
-    StepParts,
-    StepStart,
-    StepTask,
-    SupportMotion,
-)
-from viscorod.solve.transient.integrators.stage_response import gaps_are_open, hold, load, place, respond
+from viscorod.solve.transient.integrators.stage_response import load, place, respond
 from viscorod.solve.transient.integrators.stage_solution import (
     freeze,
     move,
@@ -40,7 +25,7 @@ from viscorod.solve.transient.integrators.stage_solution import (
     support,
 )
 from viscorod.solve.transient.integrators.step_account import estimate, take_account
-from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.integrators.step_task import FINAL, ITERATIONS, RATE, TOLERANCE, StepTask
 from viscorod.typing import Floats
 
 __all__ = ["largest_turn", "try_step"]
@@ -58,68 +43,46 @@ def largest_turn(X: Floats) -> tuple[float, int]:
 
 
 @kernel
-def try_step(
-    body: Discretisation,
-    method: Tableau,
-    start: StepStart,
-    h: float,
-    motion: SupportMotion,
-    loads: StageLoads,
-    parts: StepParts,
-    limits: IterationLimits,
-    ends: Ends | None,
-    strains: StrainMotion | None,
-    links: ConstraintArrays | None,
-    branches: MaxwellArrays | None,
-) -> tuple[int, int, float, float, int, float, int]:
+def try_step(step: StepTask) -> tuple[int, int, float, float, int, float, int]:
     """Iterate until the estimated error of the stage coordinates is small enough; evaluate the result.
 
     If that succeeds, estimate the error and take account of the energy.
-
-    Args:
-        h: step [s]; motion, loads: of supports and loads at its stages.
-        parts: state of the stages, matrices and their factors, the account of the step, and scratch.
 
     Returns:
         code, iterations, size of the last change, convergence rate, unknown of the largest change, size and unknown
         of the largest error.
     """
-    factors, matrices, stages, account, work = parts
-    points = GaussStates(stages.strain, stages.strain_rate, stages.section_force, stages.stress)
-    given = (body, method, start, h, motion, loads, factors, matrices, stages, points, account, work)
-    step, end, path = refer(StepTask(*given)), refer(ends), refer(strains)
-    joined, relaxing = refer(links), refer(branches)
+    numbers, worst, links = step.numbers, step.links.worst, step.calls.hold_links
+    tolerance, most = numbers[TOLERANCE], int(numbers[ITERATIONS])
     last = size = 0.0
-    rate = limits.rate**0.8  # trusted less with every step that does not confirm it
+    rate = numbers[RATE] ** 0.8  # trusted less with every step that does not confirm it
     unknown = count = 0
     code = GOING
     while True:
         final = code == CONVERGED
-        place(step, end)
-        respond(step, end, path, joined, relaxing)
-        hold(step, end, joined, final)
+        numbers[FINAL] = 1.0 if final else 0.0
+        place(step)
+        respond(step)
         load(step)
-        if final and gaps_are_open(joined, count, limits):
+        if final and links != 0 and count < most and worst[0] > GAP:
             code, final = GOING, False
-        support(step, end, joined, final)
+        support(step, final)
         if not final:
-            freeze(step, joined)
-        release_held(step, end)
-        if final or count == limits.iterations:
+            freeze(step)
+        release_held(step)
+        if final or count == most:
             break
         size, unknown = solve_stages(step)
         count += 1
-        code, rate = judge(count, limits.iterations, size, last, rate, limits.tolerance)
+        code, rate = judge(count, most, size, last, rate, tolerance)
         if code not in (CONVERGED, GOING):
             break
-        move(step, joined, relaxing)
+        move(step)
         last = size
-    largest, worst = 0.0, 0
+    largest, worst_unknown = 0.0, 0
     if code == CONVERGED:
-        if branches is not None:
-            stretch_springs(body.elements, branches, stages.strain)
-        largest, worst = estimate(step, relaxing)
-        take_account(step, joined, relaxing)
+        largest, worst_unknown = estimate(step)
+        take_account(step)
     elif code == GOING:
         code = SLOW
-    return code, count, size, rate, unknown, largest, worst
+    return code, count, size, rate, unknown, largest, worst_unknown

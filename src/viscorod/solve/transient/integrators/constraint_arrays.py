@@ -7,7 +7,7 @@ section forces, so that a frozen Jacobian serves stiff ones too.
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -20,8 +20,10 @@ from viscorod.mechanics.joints.joint_forces import (
     SpringOperators,
     gradient_of,
 )
-from viscorod.solve.constraints.constraints import Constraints
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.solve.constraints.constraints import Constraints
 
 GAP = 1e-10
 """Gap of a joint over the length (or in rad), or held strain, that a step may leave."""
@@ -35,6 +37,7 @@ class ConstraintArrays(NamedTuple):
         states: of all coordinates at the stages.
         scale: of multipliers ``(places,)``; unit: of the gaps ``(places,)``.
         target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is not a stage.
+        worst: the largest gap of all stages in its unit ``(1,)``, or nothing if there are no constraints.
     """
 
     joints: Joints
@@ -46,34 +49,41 @@ class ConstraintArrays(NamedTuple):
     unit: Floats
     target_rate: Floats
     end_target: Floats
+    worst: Floats
 
     @classmethod
     def of(cls, constraints: Constraints, stages: int) -> ConstraintArrays:
         """Allocate; what ``constraints`` keeps (near, operators, scale) is shared with it."""
-        c, places = constraints.joints.count, len(constraints.gap)
-        states = JointStates(
-            near=constraints.near,
-            target=np.zeros((stages, c)),
-            multiplier=np.zeros((stages, places)),
-            carried=np.zeros((stages, c)),
-            value=np.zeros(c),
-            rate=np.zeros((stages, c)),
-            force=np.zeros((stages, c)),
-            energy=np.zeros(stages),
-            power=np.zeros(stages),
-            gap=np.zeros((stages, places)),
-            gradient=np.zeros(12),
-        )
+        c = constraints.joints.count
         return cls(
             constraints.arrays,
             constraints.held,
             constraints.functions,
             constraints.operators,
-            states,
+            JointStates.of(stages, constraints.near, len(constraints.gap)),
             constraints.scale,
             constraints.unit,
             target_rate=np.zeros((stages, c)),
             end_target=np.zeros(c),
+            worst=np.zeros(1),
+        )
+
+    @classmethod
+    def none(cls) -> ConstraintArrays:
+        """Return those of a model without constraints."""
+        none, table = np.zeros(0), np.zeros((0, 0))
+        states = JointStates.of(0, none, 0)
+        return cls(
+            Joints.none(),
+            HeldStrains.none(),
+            JointLaws(0, none),
+            SpringOperators.of(0),
+            states,
+            none,
+            none,
+            target_rate=table,
+            end_target=none,
+            worst=none,
         )
 
 

@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+from viscorod.mechanics.compilation.shared import Shared
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.record_kernels import Kept, Reading, StepEnd
-from viscorod.solve.transient.integrators.stage_data import StepParts
+from viscorod.solve.transient.integrators.step_task import StepTask
 from viscorod.typing import Floats
 
 __all__ = ["Course", "Lent", "StepTaken"]
@@ -16,14 +17,12 @@ class Lent(NamedTuple):
     """Arrays that both work on.
 
     Attributes:
-        parts: as for one step; kept, reading: as for its end.
-        force: what accelerates the nodes at the present time ``(n, 6)``.
+        task: one step, whose start is the present state; kept, reading: as for its end.
         start_rate: of the twists at the start of the last step ``(n, 6)``.
     """
 
-    parts: StepParts
+    task: Shared[StepTask]
     kept: Kept
-    force: Floats
     reading: Reading
     start_rate: Floats
 

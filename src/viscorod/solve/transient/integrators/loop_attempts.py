@@ -58,21 +58,23 @@ from viscorod.solve.transient.integrators.loop_data import (
     T,
 )
 from viscorod.solve.transient.integrators.predictor import LastStep
-from viscorod.solve.transient.integrators.stage_data import IterationLimits
+from viscorod.solve.transient.integrators.step_task import ITERATIONS, H
+from viscorod.solve.transient.integrators.step_task import RATE as TRUSTED
+from viscorod.solve.transient.integrators.step_task import TOLERANCE as TOLERATED
 from viscorod.solve.transient.step_choice import CORNER
 from viscorod.typing import Floats
 
 __all__ = ["attempt", "copy", "follow", "take_end"]
 
 _do, _factorise, _turn = returning(NOTHING), returning(NUMBER), returning(TURNED)
-_attempt, _end, _extent = returning(ATTEMPTED), returning(ENDED), returning(EXTENT)
+_attempt, _end, _extent = returning(ATTEMPTED, whole=False), returning(ENDED), returning(EXTENT)
 
 
 @exact_part
 def factorise(run: StepLoop, h: float) -> bool:
     """Factorise the systems for a step of ``h`` [s]; return whether all went well."""
-    parts, body, systems, calls, method = run.model.parts, run.model.body, run.systems, run.calls, run.method
-    factors, frozen = parts.factors, parts.matrices
+    task, systems, calls = run.model.task, run.systems, run.calls
+    body, method, factors, frozen = task.body, task.method, task.factors, task.matrices
     real, pairs = factors.real, factors.pairs
     matrices = (frozen.K, frozen.C, frozen.mass)
     where = (body.supports, frozen.directions, body.pattern, factors.scales)
@@ -94,7 +96,7 @@ def factorise(run: StepLoop, h: float) -> bool:
 @exact_part
 def extent_of(run: StepLoop) -> tuple[float, float]:
     """Return how far the last stage is from where the motion began, and how fast it is."""
-    stages, begun = run.model.parts.stages, run.state.follows
+    stages, begun = run.model.task.stages, run.state.follows
     last = stages.X.shape[0] - 1
     where = (stages.r[last], stages.q[last], stages.twist[last])
     found: tuple[float, float] = _extent(run.calls.extent, (begun.r, begun.q, *where, begun.numbers[LENGTH]))
@@ -170,17 +172,18 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     why = provide(run, end)
     if why != GOES_ON:
         return why, 0, 0.0, 0
-    clock, numbers, limits, model, state = run.clock, run.numbers, run.limits, run.model, run.state
-    h, now, old, stages, calls = end - clock[T], state.now, state.last, model.parts.stages, run.calls
+    clock, numbers, limits, task, state = run.clock, run.numbers, run.limits, run.model.task, run.state
+    h, now, old, stages, calls = end - clock[T], state.now, state.last, task.stages, run.calls
     last = LastStep(clock[LAST_STEP], old.r, old.q, old.twist, state.kept.X, state.stress)
-    where = (now.r, now.q, model.body.split, model.body.held)
+    where = (now.r, now.q, task.body.split, task.body.held)
     _do(
         calls.predict,
-        (run.method, model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
+        (task.method, run.model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
     )
-    allowed = IterationLimits(limits[NEWTON], int(limits[ALLOWED]), clock[RATE])
-    given = (model.body, run.method, now, h, model.motion, model.loads, model.parts, allowed)
-    code, count, _, rate, _, error, unknown = _attempt(calls.step, (*given, None, None, None, None))
+    given = task.numbers
+    given[H], given[TOLERATED] = h, limits[NEWTON]
+    given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
+    code, count, _, rate, _, error, unknown = _attempt(calls.step, (task,))
     good, s, counted = code == CONVERGED, stages.X.shape[0], 1 if numbers[TAKEN] == WHOLE else 0
     if not good and numbers[FRESH] != 0:
         return ASK, 0, 0.0, 0
@@ -208,8 +211,8 @@ def copy(a: Floats, b: Floats) -> None:
 @exact_part
 def take_end(run: StepLoop, t: float) -> None:
     """Take the attempted step to ``t`` [s]."""
-    parts, clock, numbers, state = run.model.parts, run.clock, run.numbers, run.state
-    now, old, end, stages, account = state.now, state.last, state.end, parts.stages, parts.account
+    task, clock, numbers, state = run.model.task, run.clock, run.numbers, run.state
+    now, old, end, stages, account = state.now, state.last, state.end, task.stages, task.account
     h, last = t - clock[T], stages.X.shape[0] - 1
     copy(now.r, old.r)
     copy(now.q, old.q)
@@ -217,7 +220,7 @@ def take_end(run: StepLoop, t: float) -> None:
     for field in range(3):
         copy(state.points[1, field], state.points[0, field])
     copy(state.reactions[1], state.reactions[0])
-    given = (h, run.method, stages, account, run.model.motion.target, run.model.reading, state.kept, end)
+    given = (h, task.method, stages, account, task.motion.target, run.model.reading, state.kept, end)
     clock[KINETIC], clock[STRAIN], clock[WORK], clock[LOSS], _ = _end(run.calls.end, given)
     clock[ELASTIC] = account.elastic[last]
     copy(end.r, now.r)

@@ -2,18 +2,11 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
-from viscorod.solve.transient.integrators.stage_data import (
-    Discretisation,
-    StageLoads,
-    StepParts,
-    StepStart,
-    SupportMotion,
-)
-from viscorod.solve.transient.integrators.tableau import Tableau
+from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
 
 T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
@@ -65,12 +58,12 @@ bounds; an exception in Python. Or it goes on, or an attempt is to be made again
 
 
 class LoopModel(NamedTuple):
-    """What is as for one step, see ``try_step``, and ``gap`` as for the predictor."""
+    """One step, whose start is the present state; ``reading`` of its end, and ``gap`` as for the predictor.
 
-    body: Discretisation
-    motion: SupportMotion
-    loads: StageLoads
-    parts: StepParts
+    The step is a shared bundle (see ``mechanics.compilation.shared``), so that compiled code has a reference to it.
+    """
+
+    task: Any
     reading: Reading
     gap: Floats
 
@@ -97,7 +90,7 @@ class LoopState(NamedTuple):
     """The present state, and what the next step and its records begin with.
 
     Attributes:
-        now, rate: state at the present time, and the rate of its twists ``(n, 6)``.
+        now: state at the present time, that of the step's start.
         last: of the start of the last step, with rates that records leave there.
         kept: see ``end_step``; stress, stages_stress: of ``kept.stresses``, and of the stages, in rows.
         end: scratch; fields: at the present time and at the start of the last step, two stages.
@@ -181,13 +174,12 @@ class StepLoop(NamedTuple):
     """All that the loop works on.
 
     Attributes:
-        model, method, systems, state, calls: what steps are made of.
+        model, systems, state, calls: what steps are made of.
         clock, numbers, limits: see above; control: those of ``step_choice``; trials: steps that are tried again.
         batch: outputs; backup: of what steps go on from.
     """
 
     model: LoopModel
-    method: Tableau
     systems: LoopSystems
     state: LoopState
     calls: Addresses

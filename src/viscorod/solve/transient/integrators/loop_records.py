@@ -97,7 +97,8 @@ def record(run: StepLoop, t: float) -> None:
 @exact_part
 def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
     """Read states within the step of ``h`` [s], at ``size`` places from the ``first`` on, into rows from ``to`` on."""
-    stages, state, found = run.model.parts.stages, run.state, run.batch.states
+    task, state, found = run.model.task, run.state, run.batch.states
+    stages = task.stages
     now, reading = state.now, run.model.reading
     begin = ResultFields(state.points[0], state.reactions[0])
     at_stages = StageFields(
@@ -106,9 +107,9 @@ def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
         stages.strain_rate,
         stages.stress,
         state.end.reactions,
-        run.model.parts.account.powers,
+        task.account.powers,
     )
     reached = MovingPoses(now.r, now.q, now.twist, state.end.rate)
-    step = (h, run.method, state.last, reached, begin, at_stages, run.clock[LOSS], reading)
+    step = (h, task.method, state.last, reached, begin, at_stages, run.clock[LOSS], reading)
     into = Between(to, found.r, found.q, found.twist, found.fields, found.energies)
     _do(run.calls.between, (run.batch.places[first : first + size], *step, True, True, into))

@@ -9,7 +9,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.record_kernels import StepEnd
-from viscorod.solve.transient.integrators.stage_data import Ends
+from viscorod.solve.transient.integrators.step_task import Ends
 from viscorod.solve.transient.integrators.tableau import MIDPOINT
 from viscorod.typing import Floats
 
@@ -36,7 +36,7 @@ class Midpoint(Collocation):
 
     def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
-        self.ends: Ends = Ends.of(self.body, driven=system.imposed.changes)
+        self.ends = Ends.of(self.body, driven=system.imposed.changes)
         self._end_twist = np.zeros((len(supports.complete), 6))
         self._age = 0
 

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes, impose, in_body
+from viscorod.mechanics.nodes.support_rows import SupportedNodes, in_body
 from viscorod.mechanics.rotations.nodal_motion import place
-from viscorod.solve.transient.integrators.stage_data import Discretisation, Ends, StepStart, SupportMotion
+from viscorod.solve.transient.integrators.stage_data import Discretisation, StepStart, SupportMotion
+from viscorod.solve.transient.integrators.step_task import Ends
 from viscorod.typing import Floats
 
 
@@ -51,26 +52,9 @@ def strains_at_end(start: Floats, middle: Floats, end: Floats) -> None:
 
 
 @part
-def hold_ends(
-    supports: SupportedNodes,
-    target: Floats,
-    ends: Ends,
-    gap: Floats,
-    reaction: Floats,
-    directions: Directions,
-    residual: Floats,
-) -> None:
-    """Hold nodes at their targets at the end of the step rather than in its middle.
-
-    Args:
-        target: ``(1, m, 6)``; gap: scratch ``(n, 6)``; reaction, directions: scratch.
-        residual: of the middle ``(1, n, 6)``, held components are replaced.
-    """
+def take_gaps(supports: SupportedNodes, gap: Floats, residual: Floats) -> None:
+    """Put the gaps of supports at the end of the step ``(n, 6)`` into the residual of its middle ``(1, n, 6)``."""
     nodes, fixed, axes = supports[:3]
-    for m in range(nodes.shape[0]):
-        for a in range(6):
-            gap[nodes[m], a] = 0.0
-    impose(supports, target[0], ends.r[0], ends.q[0], gap, reaction, directions)
     for m in range(nodes.shape[0]):
         for a in range(6):
             # velocities along moving axes are held in the middle

@@ -59,16 +59,7 @@ class Solution:
 
 
 class MomentumModel:
-    """What :class:`~.generalized_alpha.GeneralizedAlpha` takes steps with; arguments are its.
-
-    Args:
-        system, supports: the model.
-        spectral_radius: 1 damps nothing numerically, 0 annihilates the highest frequencies in one step.
-        tolerance: wanted accuracy of the motion (displacement over model length, rotation in rad); None makes no
-            error estimate.
-        newton_tolerance: size of the last Newton increment, likewise.
-        iterations: allowed Newton iterations per step.
-    """
+    """What :class:`~.generalized_alpha.GeneralizedAlpha`, which has the same arguments, takes steps with."""
 
     def __init__(
         self,

@@ -2,17 +2,19 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.nodal_motion import extrapolate
-from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    from viscorod.solve.formulations.system import State
 
 
 class Predictor:

@@ -10,7 +10,8 @@ from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes, reaction_wrenches
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate_poses
-from viscorod.solve.transient.integrators.stage_data import Stages, StepAccount
+from viscorod.solve.transient.integrators.stage_data import Stages
+from viscorod.solve.transient.integrators.step_task import StepAccount
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 

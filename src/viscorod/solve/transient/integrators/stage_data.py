@@ -5,21 +5,22 @@ All arrays are allocated once for a run; the classes are tuples that compiled co
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.elements.internal_force import Elements, ElementWork, GaussStates
+from viscorod.mechanics.elements.internal_force import Elements, ElementWork
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.nodes.applied_loads import StationWork
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionWork
 from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
-from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.linear.factors import Factors as MatrixFactors
 from viscorod.solve.linear.pattern import Pattern
-from viscorod.solve.problem.problem import Problem
-from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    from viscorod.solve.constraints.support_state import SupportState
+    from viscorod.solve.problem.problem import Problem
 
 
 class Discretisation(NamedTuple):
@@ -160,39 +161,6 @@ class StepStart(NamedTuple):
     force: Floats
 
 
-class StepAccount(NamedTuple):
-    """What a converged step amounts to.
-
-    Attributes:
-        powers: of loads, of viscosity, what loads dissipate outside, and of what changes rest strains, at all stages
-            ``(4, s)`` [W].
-        elastic: energies there ``(s,)`` [J].
-        error: estimated, of the poses ``(n, 6)``, body components.
-    """
-
-    powers: Floats
-    elastic: Floats
-    error: Floats
-
-    @classmethod
-    def of(cls, nodes: int, stages: int) -> StepAccount:
-        """Allocate."""
-        return cls(np.zeros((4, stages)), np.zeros(stages), np.zeros((nodes, 6)))
-
-
-class IterationLimits(NamedTuple):
-    """When an iteration ends.
-
-    Attributes:
-        tolerance: of the stage coordinates, displacement over length, or rotation [rad]; iterations: allowed.
-        rate: of convergence of the last step, trusted in the first iteration (1 if unknown).
-    """
-
-    tolerance: float
-    iterations: int
-    rate: float
-
-
 class Stages(NamedTuple):
     """State of all stages of a step (first index): unknowns, what follows from them, and the residual.
 
@@ -243,42 +211,6 @@ class Stages(NamedTuple):
             dissipated=np.zeros(s),
             rest=np.zeros(points if driven else (0, *points[1:])),
             rest_rate=np.zeros(points if driven else (0, *points[1:])),
-        )
-
-
-class Ends(NamedTuple):
-    """Ends of a step for the method that conserves energy between them.
-
-    Poses and twists at the end of the step ``(1, n, ...)``, its Gauss points, the strains at the start, a
-    scratch force, the energy defect of the Maxwell branches ``(e, points)``, and rest strains as those of stages.
-    """
-
-    r: Floats
-    q: Floats
-    twist: Floats
-    strain: Floats
-    strain_rate: Floats
-    section_force: Floats
-    start_strain: Floats
-    force: Floats
-    defect: Floats
-    rest: Floats
-
-    @classmethod
-    def of(cls, body: Discretisation, *, driven: bool) -> Ends:
-        """Allocate; ``driven``: rest strains change with time."""
-        n, points = len(body.mass), (1, *body.elements.reference.shape)
-        return cls(
-            r=np.zeros((1, n, 3)),
-            q=np.zeros((1, n, 4)),
-            twist=np.zeros((1, n, 6)),
-            strain=np.zeros(points),
-            strain_rate=np.zeros(points),
-            section_force=np.zeros(points),
-            start_strain=np.zeros(points),
-            force=np.zeros((1, n, 6)),
-            defect=np.zeros(body.elements.reference.shape[:2]),
-            rest=np.zeros(points if driven else (0, *points[1:])),
         )
 
 
@@ -357,30 +289,3 @@ class Work(NamedTuple):
             no_blocks=np.zeros((0, 6, 6)),
             square=np.zeros((6, 6)),
         )
-
-
-class StepParts(NamedTuple):
-    """What a step works on: factors of its systems, the frozen Jacobian, the stages, the account, and scratch."""
-
-    factors: StageFactors
-    matrices: Matrices
-    stages: Stages
-    account: StepAccount
-    work: Work
-
-
-class StepTask(NamedTuple):
-    """A step as its parts see it: see ``try_step``; ``points`` are the Gauss points of the stages."""
-
-    body: Discretisation
-    method: Tableau
-    start: StepStart
-    h: float
-    motion: SupportMotion
-    loads: StageLoads
-    factors: StageFactors
-    matrices: Matrices
-    stages: Stages
-    points: GaussStates
-    account: StepAccount
-    work: Work

@@ -18,13 +18,7 @@ from __future__ import annotations
 import math
 
 from viscorod.mechanics.compilation.compiled import part
-from viscorod.mechanics.elements.internal_force import Elements
-from viscorod.mechanics.nodes import support_rows
-from viscorod.mechanics.nodes.applied_loads import add_nodal_loads, add_station_load
-from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
-from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
-from viscorod.mechanics.nodes.support_rows import Directions, SupportedNodes
-from viscorod.solve.transient.integrators.stage_data import StageLoads, Stages, SupportMotion
+from viscorod.solve.transient.integrators.stage_data import SupportMotion
 from viscorod.typing import Floats, Integers
 
 
@@ -64,21 +58,6 @@ def held_power(nodes: Integers, complete: Floats, residual: Floats, twist: Float
 
 
 @part
-def impose(
-    supports: SupportedNodes,
-    target: Floats,
-    r: Floats,
-    q: Floats,
-    residual: Floats,
-    reaction: Floats,
-    directions: Directions,
-) -> None:
-    """Replace the supported rows of the residuals; keeps the reactions (see ``mechanics.nodes.support_rows``)."""
-    for i in range(r.shape[0]):
-        support_rows.impose(supports, target[i], r[i], q[i], residual[i], reaction[i], directions)
-
-
-@part
 def clear_held(held: Floats, values: Floats) -> None:
     """Set the rows of completely held nodes to zero in ``(s, N, 6)``."""
     for i in range(values.shape[0]):
@@ -104,74 +83,6 @@ def add(values: Floats, out: Floats) -> None:
         for k in range(values.shape[1]):
             for a in range(6):
                 out[i, k, a] += values[i, k, a]
-
-
-@part
-def evaluate_loads(
-    loaded: Integers,
-    mass: Floats,
-    diagonal: Integers,
-    elements: Elements,
-    loads: StageLoads,
-    stages: Stages,
-    no_blocks: Floats,
-) -> None:
-    """Write the external loads of all stages ``(s, n, 6)``, in body components, and the power that they dissipate.
-
-    ``diagonal`` is not used: that there are ``no_blocks`` says so.
-    """
-    r, q, external = stages.r, stages.q, stages.external
-    acting, dead, following, gravity, levers, loaded_element, given_shape = loads[:7]
-    point_dead, point_following = loads.point_dead, loads.point_following
-    order, element_nodes, element_links, link_positions, link_quaternions = elements[:5]
-    slots = elements.slots
-    # no constants are handed on: for every constant the load kernels would be compiled again
-    tangent = no_blocks.shape[0] > 0
-    for i in range(r.shape[0]):
-        for k in range(r.shape[1]):
-            for a in range(6):
-                external[i, k, a] = 0.0
-        if acting[i] != 0.0:
-            add_nodal_loads(
-                loaded,
-                q[i],
-                dead[i],
-                following[i],
-                gravity[i],
-                levers[i],
-                mass,
-                tangent,
-                external[i],
-                no_blocks,
-                diagonal,
-            )
-        for load in range(loaded_element.shape[1]):
-            e = loaded_element[i, load]
-            if e < 0:
-                continue
-            m = order[e] + 1
-            add_station_load(
-                ElementNodes(element_nodes[e, :m], element_links[e, :m], link_positions, link_quaternions),
-                PointWrench(given_shape[i, load, :m], point_dead[i, load], point_following[i, load]),
-                r[i],
-                q[i],
-                tangent,
-                external[i],
-                no_blocks,
-                slots[e],
-                loads.station_work,
-            )
-        if loads.motion_factors.shape[1] > 0:
-            stages.dissipated[i] = add_motion_loads(
-                loads.motion,
-                loads.motion_factors[i],
-                r[i],
-                q[i],
-                stages.twist[i],
-                external[i],
-                MotionTangent(no_blocks, no_blocks, no_blocks, diagonal),
-                loads.motion_work,
-            )
 
 
 @part

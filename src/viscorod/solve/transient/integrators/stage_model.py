@@ -5,41 +5,42 @@ The arrays are those of the compiled step (see ``stage_data``); they are allocat
 
 from __future__ import annotations
 
+import operator
 from typing import Any
 
 import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.compilation.shared import Shared, kinds_of
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
+from viscorod.mechanics.elements.intrinsic_element import StrainMotion
+from viscorod.mechanics.elements.maxwell_branches import MaxwellArrays
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.imposed_strains import Imposed
-from viscorod.solve.transient.integrators import jacobian
+from viscorod.solve.transient.integrators import jacobian, step_task
 from viscorod.solve.transient.integrators.collocation_step import try_step
+from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_dashpots import StageDashpots
-from viscorod.solve.transient.integrators.stage_data import (
-    Discretisation,
-    Ends,
-    IterationLimits,
-    Matrices,
-    Stages,
-    StepAccount,
-    StepParts,
-    StepStart,
-    Work,
-)
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Matrices, Stages, StepStart, Work
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_actions import StepActions
+from viscorod.solve.transient.integrators.step_addresses import step_calls
 from viscorod.solve.transient.integrators.step_recorder import StepRecorder
+from viscorod.solve.transient.integrators.step_task import Ends, StepAccount, StepCalls, StepTask
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
-SCRATCH = frozenset({"_ad", "_parts", "_points", "_reached", "actions"})
+SCRATCH = frozenset(
+    {"_ad", "_numbers", "_points", "_reached", "_shared", "_start", "_step_points", "actions"}
+)
 """What every step computes anew."""
+
+_NO_STRAINS, _NO_LINKS, _NO_BRANCHES = StrainMotion.none(), ConstraintArrays.none(), MaxwellArrays.none()
 
 
 class StageModel:
@@ -90,7 +91,7 @@ class StageModel:
             self.stage_constraints,
             self.systems.solve_real,
         )
-        self.ends: Ends | None = None
+        self.ends = Ends.none()
         self.matrices = Matrices.of(body)
         self.scratch = Work.of(body, stages)
         carried = len(problem.held.place) > 0 or problem.relaxing or driven
@@ -104,7 +105,13 @@ class StageModel:
         self._kept = Kept(
             self._force, self._reaction, self._stress, self.predictor.X, self.predictor.stresses
         )
-        self._parts = StepParts(self.systems.factors, self.matrices, self.stages, self.account, self.scratch)
+        self._step_points = GaussStates(
+            self.stages.strain, self.stages.strain_rate, self.stages.section_force, self.stages.stress
+        )
+        n = problem.size
+        self._start = StepStart(np.zeros((n, 3)), np.zeros((n, 4)), np.zeros((n, 6)), self._force)
+        self._numbers = np.zeros(step_task.NUMBERS)
+        self._shared: Shared[StepTask] | None = None
         self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
         self.trying, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
         self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
@@ -122,23 +129,44 @@ class StageModel:
 
     def step_arguments(self, h: float) -> tuple[Any, ...]:
         """Return what the compiled step takes, for a step of ``h`` [s] from the present state."""
-        state, factors = self.state, self.systems.factors
-        if self._parts.factors is not factors:
-            self._parts = self._parts._replace(factors=factors)
-        return (
+        numbers, start, state = self._numbers, self._start, self.state
+        numbers[step_task.H], numbers[step_task.TOLERANCE] = h, self.newton_tolerance
+        numbers[step_task.RATE], numbers[step_task.ITERATIONS] = self._rate, self.iterations
+        start.r[:], start.q[:], start.twist[:] = state.r, state.q, state.twist
+        return (self.share().argument,)
+
+    @property
+    def task(self) -> StepTask:
+        """All that a step reads and writes."""
+        return self.share().bundle
+
+    def share(self) -> Shared[StepTask]:
+        """Return what steps work on, which seldom changes, in memory."""
+        links, dashpots, strains = self.stage_constraints, self.dashpots, self.forces.motion
+        parts = (
             self.body,
             self.tableau,
-            StepStart(state.r, state.q, state.twist, self._force),
-            h,
+            self._start,
+            self._numbers,
             self.actions.motion,
             self.actions.stage_loads,
-            self._parts,
-            IterationLimits(self.newton_tolerance, self.iterations, self._rate),
+            self.systems.factors,
+            self.matrices,
+            self.stages,
+            self._step_points,
+            self.account,
+            self.scratch,
             self.ends,
-            self.forces.motion,
-            None if self.stage_constraints is None else self.stage_constraints.arrays,
-            None if self.dashpots is None else self.dashpots.step,
+            _NO_STRAINS if strains is None else strains,
+            _NO_LINKS if links is None else links.arrays,
+            _NO_BRANCHES if dashpots is None else dashpots.step,
         )
+        known = self._shared
+        if known is None or not all(map(operator.is_, parts, known.bundle)):
+            task = StepTask(*parts, StepCalls())
+            kinds = kinds_of(task)
+            known = self._shared = Shared(task._replace(calls=step_calls(task, kinds)), kinds)
+        return known
 
     def prepare_step(self, end: float, before: bool) -> None:
         """Evaluate loads and prescribed motions at all stages of the step to ``end``."""

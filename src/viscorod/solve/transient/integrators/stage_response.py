@@ -1,139 +1,92 @@
-"""What an iteration of a collocation step begins with: nodes are placed, the material and the joints respond.
+"""What an iteration of a collocation step begins with: nodes are placed, the material responds, loads act.
 
-Parts that a model may lack are None, see ``collocation_step``.
+Kernels that only some models need, or that others call as well, are called through their addresses (see
+``step_task``).
 """
 
 from __future__ import annotations
 
-from viscorod.mechanics.compilation.compiled import lane_kernel
+from viscorod.mechanics.compilation.by_address import far, sharing
+from viscorod.mechanics.compilation.compiled import kernel, lane_kernel
 from viscorod.mechanics.compilation.references import whole_of
-from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
-from viscorod.mechanics.elements.internal_force import GaussStates, conserve_energy, internal_forces
-from viscorod.mechanics.elements.intrinsic_element import StrainMotion, stage_forces
-from viscorod.mechanics.elements.maxwell_branches import (
-    MaxwellArrays,
-    add_branch_forces,
-    lacking_work,
-    stretch_springs,
-)
-from viscorod.mechanics.elements.rest_strains import deduct_rest, shift
-from viscorod.mechanics.elements.section_laws import add_lacking_work
-from viscorod.mechanics.joints.joint_forces import hold_coordinates
+from viscorod.mechanics.elements.internal_force import internal_forces
+from viscorod.mechanics.elements.intrinsic_element import stage_forces
+from viscorod.mechanics.elements.rest_strains import deduct_rest
 from viscorod.mechanics.nodes.inertia import balance
 from viscorod.mechanics.nodes.support_rows import lacking_motion
 from viscorod.mechanics.rotations.nodal_motion import place_stages
-from viscorod.solve.transient.integrators.constraint_arrays import (
-    GAP,
-    ConstraintArrays,
-    end_gaps,
-    largest_gap,
-)
-from viscorod.solve.transient.integrators.midpoint_end import place_end, strains_at_end
-from viscorod.solve.transient.integrators.stage_data import Ends, IterationLimits, StepTask
-from viscorod.solve.transient.integrators.stage_kernels import evaluate_loads, place_held_nodes
+from viscorod.solve.transient.integrators.kernel_results import NOTHING
+from viscorod.solve.transient.integrators.stage_kernels import place_held_nodes
+from viscorod.solve.transient.integrators.step_branches import add_branches
+from viscorod.solve.transient.integrators.step_ends import conserve, place_ends
+from viscorod.solve.transient.integrators.step_links import give_links, hold_links
+from viscorod.solve.transient.integrators.step_loads import add_moving, add_nodal, add_stations, clear_loads
+from viscorod.solve.transient.integrators.step_task import H, StepTask
 
-__all__ = ["gaps_are_open", "hold", "load", "place", "respond"]
+__all__ = ["load", "place", "respond", "strains_as_states"]
+
+_internal_forces, _deduct_rest = far(internal_forces, NOTHING), far(deduct_rest, NOTHING)
+_give_links, _hold_links = sharing(give_links, NOTHING), sharing(hold_links, NOTHING)
+_place_ends, _conserve = sharing(place_ends, NOTHING), sharing(conserve, NOTHING)
+_add_branches = sharing(add_branches, NOTHING)
 
 
 @lane_kernel
-def place(step: StepTask, ends: Ends | None) -> None:
+def place(step: StepTask) -> None:
     """Put all nodes where their coordinates and the supports say, at all stages."""
-    body, method, start, h, stages, motion = (
-        step.body,
-        step.method,
-        step.start,
-        step.h,
-        step.stages,
-        step.motion,
-    )
-    supports, rates = whole_of(body.supports), method.derivative
+    body, method, start, stages, motion = step.body, step.method, step.start, step.stages, step.motion
+    supports, rates, h = whole_of(body.supports), method.derivative, step.numbers[H]
     r, q, twist, acceleration = stages.r, stages.q, stages.twist, stages.acceleration
     moved = (body.split, body.held, r, q, twist, acceleration)
     place_stages(start.r, start.q, start.twist, stages.X, rates, h, *moved)
     lacking_motion(supports, method.matrix, h, motion.rate, twist, motion.target)
     place_held_nodes(supports.nodes, body.complete, whole_of(motion), r, q, twist, acceleration)
-    if ends is not None:
-        scratch = step.work.change[0], step.work.rate[0]
-        place_end(whole_of(body), whole_of(motion), whole_of(start), stages.X, *scratch, whole_of(ends))
+    if step.calls.place_ends != 0:
+        _place_ends(step.calls.place_ends, (step,))
+
+
+@kernel
+def strains_as_states(step: StepTask) -> None:
+    """Advance strains that are states; evaluate section forces, and the nodal forces of the stresses."""
+    stages, path = step.stages, (step.method.derivative, step.numbers[H])
+    elements, strains, points = whole_of(step.body.elements), whole_of(step.strains), whole_of(step.points)
+    stage_forces(elements, strains, *path, stages.twist, points, stages.internal)
+
+
+_strains = sharing(strains_as_states, NOTHING)
 
 
 @lane_kernel
-def respond(
-    step: StepTask,
-    ends: Ends | None,
-    strains: StrainMotion | None,
-    links: ConstraintArrays | None,
-    branches: MaxwellArrays | None,
-) -> None:
-    """Evaluate strains and section forces at all stages, and the nodal forces of the stresses."""
-    elements, points, stages = whole_of(step.body.elements), whole_of(step.points), step.stages
-    if links is not None:
-        give_stress(whole_of(links.held), links.states.multiplier, points.stress)
-    if strains is None:
-        scratch = whole_of(step.work.element)
-        internal_forces(elements, stages.r, stages.q, stages.twist, points, scratch, stages.internal)
-        if stages.rest.shape[0] > 0:
-            deduct_rest(elements, stages.rest, stages.rest_rate, points)
+def respond(step: StepTask) -> None:
+    """Evaluate strains and section forces at all stages, and the nodal forces of the stresses and of what is held."""
+    elements, stages, points, calls = step.body.elements, step.stages, step.points, step.calls
+    if calls.give_links != 0:
+        _give_links(calls.give_links, (step,))
+    if calls.strains != 0:
+        _strains(calls.strains, (step,))
     else:
-        rates = step.method.derivative
-        stage_forces(elements, whole_of(strains), rates, step.h, stages.twist, points, stages.internal)
-    if branches is not None:
-        add_branch_forces(elements, whole_of(branches), points.strain, points.section_force)
-    if ends is not None and strains is None:
-        conserve(step, ends, branches)
-    if links is not None:
-        if ends is not None and strains is not None:
-            strains_at_end(strains.start, points.strain, ends.strain)
-        keep_stress(whole_of(links.held), points.stress, points.section_force)
-
-
-@lane_kernel
-def conserve(step: StepTask, ends: Ends, branches: MaxwellArrays | None) -> None:
-    """Let the section forces do the work that elastic energy changes by from one end of the step to the other."""
-    elements, points, h = whole_of(step.body.elements), step.points, step.h
-    laws = elements.laws
-    end_points = GaussStates(ends.strain, ends.strain_rate, ends.section_force, ends.section_force)
-    scratch = whole_of(step.work.element)
-    internal_forces(elements, ends.r, ends.q, ends.twist, end_points, scratch, ends.force)
-    shift(-1.0, ends.rest, ends.strain)
-    if branches is not None:
-        relaxing = whole_of(branches)
-        stretch_springs(elements, relaxing, points.strain)
-        lacking_work(elements, relaxing, points.strain_rate, ends.start_strain, ends.strain, h, ends.defect)
-    if laws.present:
-        if branches is None:
-            ends.defect.fill(0.0)
-        middle, across = (points.strain, points.strain_rate), (ends.start_strain, ends.strain)
-        add_lacking_work(laws, elements.order, elements.section, middle, *across, h, ends.defect)
-    given = (points.strain, points.strain_rate, ends.start_strain, ends.strain)
-    conserve_energy(elements, *given, h, ends.defect, points.section_force)
-
-
-@lane_kernel
-def hold(step: StepTask, ends: Ends | None, links: ConstraintArrays | None, final: bool) -> None:
-    """Add the forces of joints and springs, and measure what is to be held."""
-    if links is not None:
-        stages, states = step.stages, whole_of(links.states)
-        strain_gaps(whole_of(links.held), step.points.strain, states.gap)
-        where = (stages.r, stages.q, stages.twist, stages.internal)
-        hold_coordinates(whole_of(links.joints), whole_of(links.laws), states, final, *where)
-        if ends is not None:
-            end_gaps(whole_of(links), ends.r, ends.q, ends.strain)
-
-
-@lane_kernel
-def gaps_are_open(links: ConstraintArrays | None, count: int, limits: IterationLimits) -> bool:
-    """Return whether anything that is held is too far off, and there are iterations left."""
-    if links is not None:
-        return count < limits.iterations and largest_gap(links.states.gap, links.unit) > GAP
-    return False
+        at = (elements, stages.r, stages.q, stages.twist, points, step.work.element, stages.internal)
+        _internal_forces(calls.internal_forces, at)
+        if calls.deduct_rest != 0:
+            _deduct_rest(calls.deduct_rest, (elements, stages.rest, stages.rest_rate, points))
+    if calls.add_branches != 0:
+        _add_branches(calls.add_branches, (step,))
+    if calls.conserve != 0:
+        _conserve(calls.conserve, (step,))
+    if calls.hold_links != 0:
+        _hold_links(calls.hold_links, (step,))
 
 
 @lane_kernel
 def load(step: StepTask) -> None:
     """Evaluate the loads of all stages, and what their nodes lack in balance."""
-    body, stages = step.body, step.stages
-    given = (whole_of(body.elements), whole_of(step.loads), whole_of(stages), step.work.no_blocks)
-    evaluate_loads(body.loaded, body.mass, body.pattern.diagonal, *given)
+    body, stages, calls = step.body, step.stages, step.calls
+    clear_loads(stages.external)
+    if calls.nodal_loads != 0:
+        add_nodal(step)
+    if calls.station_load != 0:
+        add_stations(step)
+    if calls.motion_loads != 0:
+        add_moving(step)
     forces = (stages.internal, stages.external, stages.force, stages.residual)
     balance(body.mass, stages.twist, stages.acceleration, *forces)

@@ -34,7 +34,7 @@ class StepActions:
         self.stage_loads = StageLoads.of(
             stages,
             body,
-            max(1, len(system.problem.station_loads)),
+            len(system.problem.station_loads),
             self.loads.motion,
             offset=self.loads.offset,
         )

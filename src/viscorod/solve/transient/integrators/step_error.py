@@ -5,7 +5,7 @@ from __future__ import annotations
 from viscorod.mechanics.compilation.compiled import lane_kernel, part
 from viscorod.mechanics.compilation.references import whole_of
 from viscorod.mechanics.nodes.support_rows import SupportedNodes
-from viscorod.solve.transient.integrators.stage_data import StepTask
+from viscorod.solve.transient.integrators.step_task import H, StepTask
 from viscorod.typing import Floats, Integers
 
 
@@ -41,7 +41,7 @@ def error_sides(step: StepTask, out: Floats) -> None:
         step.work.rate,
         step.work.vector,
         step.matrices.adjoint,
-        step.h,
+        step.numbers[H],
         step.method.real,
     )
     begun, force = step.start.twist, step.start.force

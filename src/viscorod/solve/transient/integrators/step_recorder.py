@@ -25,7 +25,8 @@ from viscorod.solve.transient.integrators.record_kernels import (
     read_state,
 )
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
-from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, StepAccount, SupportMotion
+from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
+from viscorod.solve.transient.integrators.step_task import StepAccount
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 

@@ -1,0 +1,118 @@
+"""Bundles that Python hands over by their address: compiled code reads what they are made of."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+import pytest
+from numba import njit, types
+
+from viscorod.mechanics.compilation.by_address import address_of, returning
+from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.compilation.shared import Shared, kinds_of
+from viscorod.typing import Floats, Integers
+
+pytestmark = pytest.mark.skipif(PURE_PYTHON, reason="nothing is compiled")
+
+
+class Switches(NamedTuple):
+    """Nothing but switches, which take a byte each."""
+
+    first: bool
+    second: bool
+    third: bool
+
+
+class Inner(NamedTuple):
+    """Arrays of several kinds, one without entries, between switches."""
+
+    on: bool
+    waves: np.ndarray
+    empty: Floats
+    switches: Switches
+    flags: Integers
+    off: np.bool_
+
+
+class Outer(NamedTuple):
+    """A bundle in a bundle, numbers of all kinds, and rows."""
+
+    inner: Inner
+    factor: float
+    count: int
+    turn: complex
+    rows: tuple[Floats, ...]
+    last: np.float64
+
+
+@njit
+def entries(run, out):
+    """Write everything that a bundle has, one by one."""
+    inner, switches = run.inner, run.inner.switches
+    out[0], out[1], out[2] = inner.on, inner.waves[1, 2].real, inner.waves[0, 1].imag
+    out[3], out[4], out[5] = inner.empty.shape[0], inner.empty.shape[1], inner.flags[2]
+    out[6], out[7], out[8], out[9] = switches.first, switches.second, switches.third, inner.off
+    out[10], out[11], out[12], out[13] = run.factor, run.count, run.turn.imag, run.last
+    inner.flags[0] = 7
+    return run.turn.real
+
+
+class Pair(NamedTuple):
+    """A bundle with a shared one in it."""
+
+    weight: float
+    part: Shared[Outer]
+
+
+@njit
+def weighted(run, out):
+    """Read a bundle within a bundle."""
+    return run.weight * entries(run.part, out)
+
+
+@njit
+def far_entries(run, address, out):
+    """Hand the reference on by address."""
+    return _entries(address, (run, out))
+
+
+_entries = returning(types.float64, whole=False)
+
+
+@pytest.fixture
+def outer():
+    waves = np.arange(6).reshape(2, 3) * (2.0 + 1.0j)
+    rows = (np.array([1.0, 2.0]), np.array([10.0]))
+    inner = Inner(True, waves, np.zeros((0, 4)), Switches(False, True, False), np.array([1, 2, 3]), np.True_)
+    return Outer(inner, 0.5, -3, 7.0 - 2.0j, rows, np.float64(0.25))
+
+
+EXPECTED = [1.0, 10.0, 1.0, 0.0, 4.0, 3.0, 0.0, 1.0, 0.0, 1.0, 0.5, -3.0, -2.0, 0.25]
+
+
+def test_kernels_read_and_write_what_stands_in_memory(outer):
+    shared, out = Shared(outer), np.zeros(14)
+    assert entries(shared, out) == 7.0
+    assert out.tolist() == EXPECTED
+    assert outer.inner.flags[0] == 7
+
+
+def test_references_go_on_by_address(outer):
+    shared, out = Shared(outer), np.zeros(14)
+    address = address_of(KnownTypes(entries), types.float64, lambda: (shared, out))
+    assert far_entries(shared, address, out) == 7.0
+    assert out.tolist() == EXPECTED
+
+
+def test_shared_bundles_within_others_are_references(outer):
+    within, out = Shared(Pair(2.0, Shared(outer))), np.zeros(14)
+    assert weighted(within, out) == 14.0
+    assert out.tolist() == EXPECTED
+
+
+def test_layout_of_arrays_decides_about_types_but_not_that_of_few_entries(outer):
+    one, turned = np.zeros((1, 3)), np.zeros((2, 3)).T
+    assert kinds_of(one) == kinds_of(np.zeros((2, 3))) != kinds_of(turned)
+    assert kinds_of(Shared(outer)) == kinds_of(Shared(outer)) != kinds_of(Shared(Pair(2.0, Shared(outer))))
