@@ -6,11 +6,19 @@ import numpy as np
 
 from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
+from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.factors import Factors
 from viscorod.solve.transient.integrators import kernel_results
-from viscorod.solve.transient.integrators.loop_data import Addresses, LoopModel, LoopState, LoopSystems
+from viscorod.solve.transient.integrators.loop_data import (
+    Addresses,
+    LoopModel,
+    LoopState,
+    LoopSystems,
+    Renewal,
+)
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
@@ -24,6 +32,7 @@ def find_addresses(
     given: LoopState,
     systems: LoopSystems,
     states: Between,
+    renewal: Renewal,
     renew: int,
     prepare: int,
 ) -> Addresses:
@@ -31,6 +40,7 @@ def find_addresses(
 
     Args:
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
+        renewal: of Jacobians.
         renew, prepare: of Python's functions.
     """
     body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
@@ -108,9 +118,48 @@ def find_addresses(
                 found,
             ),
         ),
+        *_renewing(integrator, model, given, renewal),
         renew,
         prepare,
         np.zeros(4),
+    )
+
+
+def _renewing(
+    integrator: Radau, model: LoopModel, given: LoopState, known: Renewal
+) -> tuple[int, int, int, int, int, int]:
+    """Return where the kernels are that renew a Jacobian, 0 where Python does, see :class:`.Renewal`."""
+    system = integrator.system
+    if not isinstance(system, GeometricSystem) or len(system.groups) != 1 or integrator.supports.moving:
+        return 0, 0, 0, 0, 0, 0
+    body, now, loads, out = integrator.body, given.now, model.loads, known.out
+    matrices, mass, diagonal = model.parts.matrices, integrator.body.mass, integrator.body.pattern.diagonal
+    elements = known.elements, known.group, known.fields
+    acting = loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass
+    inertia = mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint
+    held = body.supports, known.target, given.kept.reaction, now.r, now.q, body.pattern
+    into = out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0]
+    assembly, collection = system.tangent_kernels
+
+    def address(kernel: KnownTypes, *arguments: object) -> int:
+        return address_of(kernel, kernel_results.NOTHING, lambda: arguments)
+
+    return (
+        address(integrator.adjoints, now.twist, known.ad),
+        address(assembly, *elements, now.r, now.q, now.twist, True, known.ad, True, out),
+        address(collection, *elements, matrices.operators),
+        address(
+            KnownTypes(add_nodal_loads),
+            body.loaded,
+            now.q,
+            *acting,
+            True,
+            known.external,
+            out.blocks,
+            diagonal,
+        ),
+        address(integrator.inertia_terms, *inertia, known.square),
+        address(integrator.projection, *held, *into),
     )
 
 

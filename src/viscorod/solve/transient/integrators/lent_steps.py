@@ -18,7 +18,7 @@ class Lent(NamedTuple):
     Attributes:
         parts: as for one step; kept, reading: as for its end.
         force: what accelerates the nodes at the present time ``(n, 6)``.
-        start_rate: of the twists at the start of the last step ``(n, 6)``.
+        start_rate: of the twists at the start of the last step ``(n, 6)``; ad: of the twists ``(n, 6, 6)``.
     """
 
     parts: StepParts
@@ -26,12 +26,13 @@ class Lent(NamedTuple):
     force: Floats
     reading: Reading
     start_rate: Floats
+    ad: Floats
 
 
 class Course(NamedTuple):
     """How an integration stands: time and step of the factors [s], convergence rate, what there is of a Jacobian.
 
-    ``evaluations`` and ``factorisations`` are those since it was lent.
+    ``evaluations``, ``factorisations`` and ``jacobians`` are those since it was lent.
     """
 
     t: float
@@ -41,6 +42,7 @@ class Course(NamedTuple):
     fresh_jacobian: bool
     evaluations: int
     factorisations: int
+    jacobians: int
 
 
 class StepTaken(NamedTuple):
