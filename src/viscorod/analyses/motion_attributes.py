@@ -62,7 +62,9 @@ def described(
     if isinstance(transient.integrator, ReducedMotion):
         found |= told_of_modes(settings, transient.integrator)
     elif settings.dynamics == "nonlinear":
-        found["linear_solver"] = discrete.problem.plan.description
+        systems = getattr(transient.integrator, "systems", None)  # of collocation methods, without held nodes
+        plan = discrete.problem.plan if systems is None else systems.real.plan
+        found["linear_solver"] = plan.description
     if integrates_strains(settings):
         found["pose_gap"], found["rotation_gap"] = pose_gap(discrete.system, transient.result.history)
     return found

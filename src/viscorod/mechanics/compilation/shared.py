@@ -15,6 +15,7 @@ from typing import Any, Generic, TypeVar
 
 import numba
 import numpy as np
+from numba import _dispatcher
 from numba.core import cgutils
 from numba.extending import NativeValue, typeof_impl, unbox
 
@@ -35,13 +36,21 @@ _native: Any = NativeValue
 _is_not_null: Any = cgutils.is_not_null
 _typeof_of: Any = typeof_impl.register
 _unbox: Any = unbox
+_fingerprint: Any = _dispatcher.compute_fingerprint
 _numbers = itertools.count()
 _types: dict[Any, tuple[Any, int]] = {}
 """Numba's types of bundles and their numbers, by kinds: it takes milliseconds to find a type, and long to hash it."""
 
 
 def kinds_of(value: Any) -> Any:
-    """Return what Numba's type of an argument depends on."""
+    """Return what Numba's type of an argument depends on.
+
+    Numba's own numbers are 30 times as fast as looking at 150 arrays here, but know nothing of shared bundles.
+    """
+    try:
+        return _fingerprint(value)
+    except NotImplementedError:
+        pass
     if isinstance(value, np.ndarray):
         flags = value.flags.num
         order = _C_ORDER if flags & _C_ORDER else flags & _F_ORDER

@@ -10,7 +10,7 @@ from scipy import sparse
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements import geometric_element as geometric
-from viscorod.mechanics.elements.gauss_batch import PointFields
+from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
 from viscorod.mechanics.elements.internal_force import Elements, energies
 from viscorod.mechanics.elements.lanes import LANES
 from viscorod.mechanics.elements.linearised import Operators, collect
@@ -185,6 +185,19 @@ class GeometricSystem:
         beside = self._beside if self.imposed.changes else self.prestress
         fields = self.strain, self.strain_rate, self.section_force
         return elements, PointFields(self.stress, beside, *fields, self._all_columns, strain_columns)
+
+    def lend_tangent(
+        self, stress: Floats, K: Floats, C: Floats
+    ) -> tuple[Elements, ElementGroup, PointFields, geometric.Assembled]:
+        """Return what :meth:`linearise` assembles the first group of elements with."""
+        columns = self._columns[0]
+        fields = self._point_fields(0, stress, np.empty_like(columns))
+        return self._elements, self.groups[0], fields, geometric.Assembled(self.internal, K, C)
+
+    @property
+    def tangent_kernels(self) -> tuple[KnownTypes, KnownTypes]:
+        """What assembles a group of elements, and what writes its operators."""
+        return self._assemble, self._collect
 
     @property
     def has_more(self) -> bool:

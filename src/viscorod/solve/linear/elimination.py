@@ -32,24 +32,30 @@ class Elimination(NamedTuple):
     remaining: Pattern
 
     @classmethod
-    def of(cls, pattern: Pattern, interiors: Iterable[Integers]) -> Elimination:
+    def of(cls, pattern: Pattern, interiors: Iterable[Integers], without: Sequence[int] = ()) -> Elimination:
         """Eliminate what is possible: groups that touch another one remain.
 
         Args:
             pattern: all blocks.
             interiors: groups of block rows, one array ``(count, k)`` per size.
+            without: block rows that are left out, with their columns, and their groups are not eliminated.
         """
+        there = np.ones(pattern.size, dtype=bool)
+        there[list(without)] = False
+        interiors = [members[there[members].all(axis=1)] for members in map(np.asarray, interiors)]
         groups = [np.asarray(members, dtype=np.int64) for members in interiors]
         sizes = np.concatenate([np.zeros(0, int), *(np.full(len(g), g.shape[1]) for g in groups)]).astype(int)
         members = np.concatenate([np.zeros(0, np.int64), *(g.ravel() for g in groups)])
         numbers = np.repeat(np.arange(len(sizes)), sizes)
         owner = _owners(pattern, members, numbers)
         if owner is None:
-            return cls((), np.arange(pattern.size), pattern)
+            if there.all():
+                return cls((), np.arange(pattern.size), pattern)
+            owner = np.full(pattern.size, -1)
 
-        rows = np.flatnonzero(owner < 0)
+        rows = np.flatnonzero((owner < 0) & there)
         of_column = owner[pattern.columns]
-        leaving = (of_column >= 0) & (owner[pattern.rows] < 0)
+        leaving = (of_column >= 0) & (owner[pattern.rows] < 0) & there[pattern.rows]
         keys = np.unique(of_column[leaving] * pattern.size + pattern.rows[leaving])
         touching, boundary = np.divmod(keys, pattern.size)
         inner = np.concatenate([[0], np.cumsum(sizes)])
@@ -69,7 +75,7 @@ class Elimination(NamedTuple):
 
         place = np.full(pattern.size, -1)
         place[rows] = np.arange(len(rows))
-        both = (owner[pattern.rows] < 0) & (owner[pattern.columns] < 0)
+        both = (place[pattern.rows] >= 0) & (place[pattern.columns] >= 0)
         pairs = np.column_stack([place[pattern.rows[both]], place[pattern.columns[both]]])
         return cls(fronts, rows, Pattern.of(len(rows), [pairs, *(place[f.boundary] for f in fronts)]))
 

@@ -29,6 +29,7 @@ class Plan:
         elimination: groups that are eliminated first, and the remaining matrix (``M`` block rows).
         order: the remaining block rows in the order of elimination ``(M,)``, numbers within what remains.
         banded: as a band; else as a sparse matrix.
+        without: block rows whose unknowns are zero, which are left out with their columns.
         cost: estimated time of a real and a complex factorisation, which motions need in turn, in proportion to that
             of a real one [ns].
     """
@@ -38,17 +39,19 @@ class Plan:
     order: Integers
     banded: bool
     cost: float
+    without: tuple[int, ...] = ()
 
     @classmethod
-    def of(cls, pattern: Pattern, interiors: Iterable[Integers] = ()) -> Plan:
+    def of(cls, pattern: Pattern, interiors: Iterable[Integers] = (), without: tuple[int, ...] = ()) -> Plan:
         """Choose the cheapest.
 
         Args:
             pattern: all blocks.
             interiors: groups of block rows that couple with no other group, as the inner nodes of elements do; one
                 array ``(count, k)`` per size. Groups that do couple with others are left alone.
+            without: block rows whose unknowns are zero. Nothing is solved there: right sides stay what they are.
         """
-        return min(plans(pattern, interiors), key=lambda plan: plan.cost)
+        return min(plans(pattern, interiors, without), key=lambda plan: plan.cost)
 
     @property
     def description(self) -> str:
@@ -60,7 +63,7 @@ class Plan:
     @cached_property
     def plain(self) -> Plan:
         """The cheapest plan without prior elimination; this one if it has none."""
-        return Plan.of(self.pattern) if self.elimination.fronts else self
+        return Plan.of(self.pattern, (), self.without) if self.elimination.fronts else self
 
     @cached_property
     def width(self) -> int:
@@ -138,19 +141,21 @@ class Plan:
         return int(6 * self.rows[row // 6] + row % 6)
 
 
-def plans(pattern: Pattern, interiors: Iterable[Integers] = ()) -> Iterator[Plan]:
+def plans(
+    pattern: Pattern, interiors: Iterable[Integers] = (), without: tuple[int, ...] = ()
+) -> Iterator[Plan]:
     """Yield all ways that might be good."""
-    alone = Elimination.of(pattern, ())
-    condensed = Elimination.of(pattern, interiors)
+    alone = Elimination.of(pattern, (), without)
+    condensed = Elimination.of(pattern, interiors, without)
     for elimination in (alone, condensed) if condensed.fronts else (alone,):
         rest = elimination.remaining
         order = band_order(rest)
         far, n = half_bandwidth(rest, order), 6 * rest.size
         before = elimination.cost
-        yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5))
+        yield Plan(pattern, elimination, order, True, before + _band_cost(n, 6 * far + 5), without)
         if far > NARROW:
             order, flops = sparse_order(rest)
-            yield Plan(pattern, elimination, order, False, before + 1.5e3 * n + flops / 4.0)
+            yield Plan(pattern, elimination, order, False, before + 1.5e3 * n + flops / 4.0, without)
 
 
 def _band_cost(n: int, width: int) -> float:

@@ -252,3 +252,7 @@ class Problem:
     def plan(self) -> Plan:
         """The plan by which all matrices are factorised."""
         return plan_of(self.pattern, self.interiors)
+
+    def plan_without(self, nodes: Integers) -> Plan:
+        """Return the plan of matrices in which these nodes do not move."""
+        return plan_of(self.pattern, self.interiors, tuple(nodes.tolist()))

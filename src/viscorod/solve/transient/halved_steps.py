@@ -90,14 +90,13 @@ class Trials:
 class HalvedSteps:
     """Computes some steps of a run again, with an integrator of its own that does not disturb the run.
 
+    What they err by is worked out when it is asked for: after the run, as a rule.
+
     Args:
         twin: an integrator like that of the run, made anew.
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
         turning: parts may turn against each other, and their motions with them.
-
-    Attributes:
-        trials: what was found.
     """
 
     def __init__(
@@ -113,32 +112,48 @@ class HalvedSteps:
         self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
         self.problem, self.turning = problem, turning
         self.unit = np.repeat([problem.length, 1.0], 3)
-        self.trials = Trials(*np.zeros((2, problem.size, 6)))
+        self._trials = Trials(*np.zeros((2, problem.size, 6)))
+        self._unseen: list[TriedStep] = []
         self.power, self.seen = order + 1, twin.seen_by_halving
         self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
         self._carried: CarriedModes | None = None
-        self._kept = False
+        self._kept = self._started = False
+        self._duration = np.inf
 
-    def begin(self, state: State, duration: float) -> None:
-        """Start at t = 0 as a run of ``duration`` [s] does."""
-        self.twin.start(0.0, state.copy())
-        self.twin.watch(duration)
-        self._start = self.twin.state.copy()
-        self._carried = CarriedModes(self.modes, self.problem, self._start) if self.turning else None
-        self._measure(_reached(self.twin))
+    def begin(self, integrator: Integrator, duration: float) -> None:
+        """Note where a run of ``duration`` [s] has begun, at t = 0."""
+        self._start, self._duration, self._started = integrator.state.copy(), duration, False
+        self._measure(_reached(integrator))
+
+    @property
+    def trials(self) -> Trials:
+        """What was found."""
+        unseen, self._unseen = self._unseen, []
+        for step in unseen:
+            self._look_at(step)
+        return self._trials
+
+    @property
+    def coming(self) -> tuple[int, float]:
+        """Number of the step that is tried next, and the length [s] beyond which others are."""
+        return self._trials.next, LONGER * max(self._trials.lengths, default=np.inf)
 
     def prepare(self, number: int, integrator: Integrator, h: float) -> None:
         """Keep the state before an attempt of a step of ``h`` [s], by its number, if it is one to be tried again."""
         if not self._kept and self.tries(number, h):
             self._kept = True
+            if not self._started:
+                assert self._start is not None
+                self._started = True
+                self.twin.start(0.0, self._start.copy())
+                self.twin.watch(self._duration)
             hand_over(integrator, self.twin)
 
     def tries(self, number: int, h: float) -> bool:
         """Return whether a step of ``h`` [s] is one to be tried again, by its number."""
-        trials = self.trials
-        longer = number > SETTLED and h > LONGER * max(trials.lengths, default=np.inf)
-        return number == trials.next or longer
+        upcoming, longest = self.coming
+        return number == upcoming or (number > SETTLED and h > longest)
 
     @property
     def waiting(self) -> bool:
@@ -147,7 +162,7 @@ class HalvedSteps:
 
     def passed(self, number: int, h: float) -> None:
         """Count a step of ``h`` [s] that was accepted, by its number."""
-        trials = self.trials
+        trials = self._trials
         if trials.border is not None and number >= trials.border:
             trials.border = None
             trials.around.append(np.zeros(2))
@@ -178,21 +193,27 @@ class HalvedSteps:
                 return
             twin.accept()
             halves.append(_reached(twin))
-        whole = Reached(integrator.state, integrator.snapshot().section_force)
         inside = Reached(middle.state, middle.section_force)
-        self.take(number, TriedStep(end, h, before.twist, inside, whole, *halves))
+        self.take(number, TriedStep(end, h, before.twist.copy(), inside, _reached(integrator), *halves))
 
     def take(self, number: int, step: TriedStep) -> None:
         """Take the difference of a step, by its number, from its halves as its error; it has been counted."""
-        trials, better = self.trials, step.better
+        trials = self._trials
+        if trials.border is not None:  # two in a row
+            trials.around.append(np.zeros(2))
+        trials.border = (number + 1 + trials.next) // 2
+        trials.lengths.append(step.h)
+        trials.times.append(step.end)
+        self._unseen.append(step)
+
+    def _look_at(self, step: TriedStep) -> None:
+        """Work out what a step errs by."""
+        trials, better = self._trials, step.better
         within = np.abs(self._away(step.middle.state, step.better_middle.state))
         if self.strains:
             inside = _largest(step.middle.section_force - step.better_middle.section_force)
             trials.apart = np.maximum(trials.apart, inside)
         trials.within = np.maximum(trials.within, within)
-        if trials.border is not None:  # two in a row
-            trials.around.append(np.zeros(2))
-        trials.border = (number + 1 + trials.next) // 2
         self._measure(better)
         self._compare(step)
         lacking = _largest(step.whole.section_force - better.section_force)
@@ -206,13 +227,14 @@ class HalvedSteps:
         moving = np.stack([pose, state.twist - better.twist, before, state.twist])
         momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
         momenta[:2] /= self.seen
+        if self.turning and self._carried is None:
+            assert self._start is not None
+            self._carried = CarriedModes(modes, self.problem, self._start)
         shapes, still = (modes.shapes, modes.rigid) if self._carried is None else self._carried.at(better)
         errors, rigid = momenta[:2] @ shapes, momenta @ still
         explained = (shapes @ errors[0] + still @ rigid[0]).reshape(size, 6)
         errors[1] /= modes.omega
-        trials = self.trials
-        trials.lengths.append(step.h)
-        trials.times.append(step.end)
+        trials = self._trials
         trials.errors.append(errors)
         trials.amplitudes.append(np.abs(momenta[2:] @ shapes).max(axis=0) / modes.omega)
         trials.rigid.append(rigid[:2])
@@ -224,7 +246,7 @@ class HalvedSteps:
     def _measure(self, reached: Reached) -> None:
         """Measure how large the motion is."""
         assert self._start is not None
-        start, state, trials = self._start, reached.state, self.trials
+        start, state, trials = self._start, reached.state, self._trials
         far = np.square(state.r - start.r).sum(axis=1).max()
         chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
         trials.moved = np.maximum(trials.moved, [math.sqrt(far), 2.0 * math.sqrt(chord.max())])
@@ -238,8 +260,8 @@ class HalvedSteps:
 
 
 def _reached(integrator: Integrator) -> Reached:
-    """Return where an integrator is."""
-    return Reached(integrator.state, integrator.snapshot().section_force)
+    """Return where an integrator is, in arrays of its own: the integrator goes on."""
+    return Reached(integrator.state.copy(), integrator.snapshot().section_force.copy())
 
 
 def _largest(section_force: Floats) -> Floats:

@@ -6,11 +6,19 @@ import numpy as np
 
 from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
+from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.factors import Factors
 from viscorod.solve.transient.integrators import kernel_results
-from viscorod.solve.transient.integrators.loop_data import Addresses, LoopModel, LoopState, LoopSystems
+from viscorod.solve.transient.integrators.loop_data import (
+    Addresses,
+    LoopModel,
+    LoopState,
+    LoopSystems,
+    Renewal,
+)
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
@@ -24,6 +32,7 @@ def find_addresses(
     given: LoopState,
     systems: LoopSystems,
     states: Between,
+    renewal: Renewal,
     renew: int,
     prepare: int,
 ) -> Addresses:
@@ -31,12 +40,14 @@ def find_addresses(
 
     Args:
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
+        renewal: of Jacobians.
         renew, prepare: of Python's functions.
     """
     return Addresses(
         **_of_attempts(integrator, model, given),
         **_of_systems(integrator, systems),
         **_of_records(integrator, model, given, states),
+        **_of_jacobians(integrator, given, renewal),
         renew=renew,
         prepare=prepare,
         message=np.zeros(4),
@@ -116,6 +127,34 @@ def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: B
             kernel_results.NOTHING,
             lambda: (np.zeros(1), *step, True, True, states),
         ),
+    }
+
+
+def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:
+    """Return where the kernels are that renew a Jacobian, 0 where Python does, see :class:`.Renewal`."""
+    system, task = integrator.system, integrator.task
+    if not isinstance(system, GeometricSystem) or len(system.groups) != 1 or integrator.supports.moving:
+        return dict.fromkeys(("adjoint", "assemble", "collect", "add_loads", "add_inertia", "project"), 0)
+    body, now, loads, out = integrator.body, given.now, task.loads, known.out
+    matrices, mass, diagonal = task.matrices, body.mass, body.pattern.diagonal
+    elements = known.elements, known.group, known.fields
+    acting = loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass
+    inertia = mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint
+    held = body.supports, known.target, given.kept.reaction, now.r, now.q, body.pattern
+    into = out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0]
+    assembly, collection = system.tangent_kernels
+
+    def address(kernel: KnownTypes, *arguments: object) -> int:
+        return address_of(kernel, kernel_results.NOTHING, lambda: arguments)
+
+    pulled = body.loaded, now.q, *acting, True, known.external, out.blocks, diagonal
+    return {
+        "adjoint": address(integrator.adjoints, now.twist, known.ad),
+        "assemble": address(assembly, *elements, now.r, now.q, now.twist, True, known.ad, True, out),
+        "collect": address(collection, *elements, matrices.operators),
+        "add_loads": address(KnownTypes(add_nodal_loads), *pulled),
+        "add_inertia": address(integrator.inertia_terms, *inertia, known.square),
+        "project": address(integrator.projection, *held, *into),
     }
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.integrators import loop_data
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
@@ -25,7 +26,7 @@ LEAST_STEP = 1e-6
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
 
-NOWHERE = loop_data.Addresses._make([*[0] * 12, np.zeros(4)])
+NOWHERE = loop_data.Addresses._make([*[0] * 18, np.zeros(4)])
 """Addresses of kernels that are not known yet."""
 
 
@@ -53,6 +54,7 @@ def loop_arrays(
         trials=np.zeros(loop_data.TRIALS),
         batch=_batch(len(body.mass), fields.shape[1], len(reaction)),
         backup=_backup(state, lent.task.bundle.matrices, clock),
+        renewal=_renewal(integrator),
     )
 
 
@@ -122,6 +124,16 @@ def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> lo
     live = tuple(array.reshape(-1) for array in arrays)
     size = sum(map(len, live))
     return loop_data.Backup(live, np.zeros(size), np.zeros(size))
+
+
+def _renewal(integrator: Radau) -> loop_data.Renewal:
+    """Return what Jacobians are renewed with."""
+    lent, system = integrator.lent, integrator.system
+    matrices, work = lent.task.bundle.matrices, lent.task.bundle.work
+    if not isinstance(system, GeometricSystem):
+        raise TypeError(f"the compiled loop knows no tangent of a {type(system).__name__}")
+    elements = system.lend_tangent(lent.kept.stress, matrices.K, matrices.C)
+    return loop_data.Renewal(*elements, lent.ad, work.change, work.square, integrator.supports.target)
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:

@@ -27,8 +27,9 @@ from viscorod.solve.transient.integrators.record_kernels import (
 from viscorod.solve.transient.loop_addresses import find_addresses
 from viscorod.solve.transient.loop_arrays import MOST_STEPS, NOWHERE, loop_arrays
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
+from viscorod.solve.transient.step_choice import CORNER
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
-from viscorod.solve.transient.trial_choice import LONGER, SETTLED
+from viscorod.solve.transient.trial_choice import SETTLED
 from viscorod.typing import Floats
 
 __all__ = ["ManySteps", "Taken"]
@@ -80,6 +81,7 @@ class ManySteps:
         self._shared: dict[int, Shared[loop_data.StepLoop]] = {}
         self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
+        self._loaded = False  # whether the loads of the stages are those between the present corners
 
     @classmethod
     def of(
@@ -116,6 +118,10 @@ class ManySteps:
         """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
         return self.integrator.systems.factors is self._factors and self.integrator.predictor.last is not None
 
+    def pass_corner(self) -> None:
+        """Note that loads may be others from the present time on."""
+        self._loaded = False
+
     def take(
         self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
     ) -> Taken:
@@ -130,7 +136,7 @@ class ManySteps:
         trials = self._loop.trials
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
-            trials[0], trials[2] = halved.trials.next, LONGER * max(halved.trials.lengths, default=np.inf)
+            trials[0], trials[2] = halved.coming
             twin: Any = halved.twin
             self._loop.limits[loop_data.HALF] = twin.half_tolerance
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
@@ -167,20 +173,18 @@ class ManySteps:
         batch, found = self._loop.batch, {}
         first = len(batch.states.r) - loop_data.EXTRA_ROWS + loop_data.MARKS
         for number, end, h, complete in batch.trials[: self._loop.numbers[loop_data.TRIED]].tolist():
-            start, middle, whole, better_middle, better = (
-                self._reached(first + k) for k in range(loop_data.TRIAL_ROWS)
-            )
-            first += loop_data.TRIAL_ROWS
             if complete:
-                steps = (start.state.twist, middle, whole, better_middle, better)
-                found[int(number)] = TriedStep(end, h, *steps)
+                start, *others = self._reached(slice(first, first + loop_data.TRIAL_ROWS))
+                found[int(number)] = TriedStep(end, h, start.state.twist, *others)
+            first += loop_data.TRIAL_ROWS
         return found
 
-    def _reached(self, row: int) -> Reached:
-        """Return the state in a row, and its section forces."""
-        found = self._loop.batch.states
-        state = State(found.r[row], found.q[row], found.twist[row], self.integrator.state.multiplier)
-        return Reached(state, found.fields.points[2, row])
+    def _reached(self, rows: slice) -> list[Reached]:
+        """Return the states in some rows, and their section forces, in arrays of their own."""
+        found, multiplier = self._loop.batch.states, self.integrator.state.multiplier
+        fields = found.r, found.q, found.twist, found.fields.points[2]
+        copies = zip(*(field[rows].copy() for field in fields), strict=True)
+        return [Reached(State(r, q, twist, multiplier), force) for r, q, twist, force in copies]
 
     def limit(self, taken: Taken, k: int) -> str:
         """Return what limited the ``k``-th step, in words."""
@@ -299,9 +303,9 @@ class ManySteps:
         )
         t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
         have, fresh = (bool(numbers[k]) for k in (loop_data.HAVE, loop_data.FRESH))
-        evaluations, factorisations = numbers[loop_data.EVALUATED : loop_data.NUMBERS].tolist()
+        counts = numbers[loop_data.EVALUATED : loop_data.NUMBERS].tolist()
         moved = t > self._began
-        course = Course(t, factor_step, rate, have, fresh, evaluations, factorisations)
+        course = Course(t, factor_step, rate, have, fresh, *counts)
         self.integrator.take_back(now, course)
         if numbers[loop_data.LOST] and factor_step > 0.0:
             self.integrator.systems.want(self.integrator.matrices, factor_step)
@@ -322,11 +326,15 @@ class ManySteps:
                 self._loop.state,
                 self._loop.systems,
                 self._loop.batch.states,
+                self._loop.renewal,
                 self._renew.address,
                 self._prepare.address,
             )
         integrator = self.integrator
         still = not integrator.supports.moving and integrator.actions.loads.steady_after(integrator.t)
+        if still and not self._loaded:
+            integrator.prepare_step(float(self.control.numbers[CORNER]), True)
+        self._loaded = still
         return self._addresses._replace(prepare=0 if still else self._prepare.address)
 
     def _call_renew(self, message: Floats) -> None:

@@ -147,10 +147,10 @@ class Transient:
     def begin(self, state: State, *, record: bool = True) -> None:
         """Start from ``state`` at t = 0, and record it."""
         integrator, account = self.integrator, self.account
-        if self.halved is not None:
-            self.halved.begin(state, self.duration)
         integrator.start(0.0, state)
         integrator.watch(self.duration)
+        if self.halved is not None:
+            self.halved.begin(integrator, self.duration)
         account.elastic = integrator.elastic
         account.kinetic = integrator.kinetic
         account.start = account.kinetic + account.elastic
@@ -163,13 +163,18 @@ class Transient:
     def integrate_to(self, corner: float) -> bool:
         """Integrate to the time ``corner`` [s], for which the step control is set; False if the run ends before."""
         integrator = self.integrator
+        if self.many is not None:
+            self.many.pass_corner()
         while integrator.t < corner:
+            steps = self.effort.steps
+            if self.many is not None and not self._take_many(self.many):
+                return False
+            if self.effort.steps > steps:
+                continue
             if not self._take_one(corner):
                 return False
             if self.many is None and self.effort.steps == LONG:
                 self._look_for_many(long=True)
-            if self.many is not None and integrator.t < corner and not self._take_many(self.many):
-                return False
         return True
 
     def _look_for_many(self, *, long: bool) -> None:

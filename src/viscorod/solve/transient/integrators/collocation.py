@@ -130,13 +130,14 @@ class Collocation(StageModel):
     @property
     def lent(self) -> Lent:
         """What the compiled loop of steps works on."""
-        return Lent(self.share(), self._kept, self.recorder.reading, self.recorder.start_rate)
+        return Lent(self.share(), self._kept, self.recorder.reading, self.recorder.start_rate, self._ad)
 
     def lend(self, state: State) -> Course:
         """Let the compiled loop go on, which changes the arrays of ``state``, the present one; return how it stands."""
         self.systems.provide()
         self.state = state
-        return Course(self.t, self._factor_step, self._rate, self._have_jacobian, self._fresh_jacobian, 0, 0)
+        have, fresh = self._have_jacobian, self._fresh_jacobian
+        return Course(self.t, self._factor_step, self._rate, have, fresh, 0, 0, 0)
 
     def take_back(self, state: State, course: Course) -> None:
         """Go on from where the compiled loop has come to, with arrays of its own."""
@@ -145,6 +146,7 @@ class Collocation(StageModel):
         self._have_jacobian, self._fresh_jacobian = course.have_jacobian, course.fresh_jacobian
         self.evaluations += course.evaluations
         self.factorisations += course.factorisations
+        self.jacobians += course.jacobians
 
     def take_step(self, step: StepTaken) -> None:
         """Take the last step of the compiled loop, which ends at the present state, as the last one."""

@@ -18,19 +18,20 @@ class Lent(NamedTuple):
 
     Attributes:
         task: one step, whose start is the present state; kept, reading: as for its end.
-        start_rate: of the twists at the start of the last step ``(n, 6)``.
+        start_rate: of the twists at the start of the last step ``(n, 6)``; ad: of the twists ``(n, 6, 6)``.
     """
 
     task: Shared[StepTask]
     kept: Kept
     reading: Reading
     start_rate: Floats
+    ad: Floats
 
 
 class Course(NamedTuple):
     """How an integration stands: time and step of the factors [s], convergence rate, what there is of a Jacobian.
 
-    ``evaluations`` and ``factorisations`` are those since it was lent.
+    ``evaluations``, ``factorisations`` and ``jacobians`` are those since it was lent.
     """
 
     t: float
@@ -40,6 +41,7 @@ class Course(NamedTuple):
     fresh_jacobian: bool
     evaluations: int
     factorisations: int
+    jacobians: int
 
 
 class StepTaken(NamedTuple):

@@ -33,6 +33,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     FACTOR,
     FACTOR_STEP,
     FACTORISED,
+    FAILED,
     FARTHEST,
     FOLLOWS,
     FRESH,
@@ -46,6 +47,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     POWER,
     RAISED,
     RATE,
+    RENEWED,
     SAFETY,
     STALE,
     STRAIN,
@@ -130,6 +132,31 @@ def follow(run: StepLoop, t: float) -> None:
 
 
 @exact_part
+def renew(run: StepLoop) -> None:
+    """Linearise at the start of a step, as ``stage_model.StageModel.renew_jacobian`` does."""
+    task, now, calls, known = run.model.task, run.state.now, run.calls, run.renewal
+    body, loads, matrices, out = task.body, task.loads, task.matrices, known.out
+    mass, diagonal = body.mass, body.pattern.diagonal
+    _do(calls.adjoint, (now.twist, known.ad))
+    clear_blocks(out.blocks)
+    clear_blocks(out.rate_blocks)
+    clear(out.force)
+    clear(known.external)
+    elements = (known.elements, known.group, known.fields)
+    _do(calls.assemble, (*elements, now.r, now.q, now.twist, True, known.ad, True, out))
+    _do(calls.collect, (*elements, matrices.operators))
+    if loads.acting[0] != 0.0:
+        acting = (loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass)
+        _do(calls.add_loads, (body.loaded, now.q, *acting, True, known.external, out.blocks, diagonal))
+    copy_blocks(mass, matrices.mass)
+    inertia = (mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint)
+    _do(calls.add_inertia, (*inertia, known.square))
+    held = (body.supports, known.target, run.state.kept.reaction, now.r, now.q, body.pattern)
+    into = (out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0])
+    _do(calls.project, (*held, *into))
+
+
+@exact_part
 def provide(run: StepLoop, end: float) -> int:
     """Provide loads, Jacobian and factors of a step to ``end`` [s]; return why the loop ends, or :data:`GOES_ON`."""
     clock, numbers, calls = run.clock, run.numbers, run.calls
@@ -141,10 +168,14 @@ def provide(run: StepLoop, end: float) -> int:
         if message[0] != t:
             return RAISED
     if numbers[HAVE] == 0:
-        message[0], message[3] = t, 0.0 if whole else 1.0
-        call(calls.renew, message.ctypes, 4)
-        if message[0] != t:
-            return RAISED
+        if calls.assemble != 0 and calls.prepare == 0:
+            renew(run)
+            numbers[RENEWED] += 1 if whole else 0
+        else:
+            message[0], message[3] = t, 0.0 if whole else 1.0
+            call(calls.renew, message.ctypes, 4)
+            if message[0] != t:
+                return RAISED
         numbers[HAVE] = numbers[FRESH] = 1
         clock[FACTOR_STEP], numbers[LOST] = 0.0, 0
     h = end - t
@@ -166,8 +197,9 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     """Try a step to ``end`` [s]; halves of one that is tried again count for nothing.
 
     Returns:
-        :data:`GOES_ON` if it is good, :data:`AGAIN` if it is to be tried again with another Jacobian, or why the loop
-        ends; iterations; error over the tolerated one, and the unknown where it is largest.
+        :data:`GOES_ON` if it is good, :data:`AGAIN` if it is to be tried again with another Jacobian, :data:`FAILED` if
+        that was a new one, or why the loop ends; iterations; error over the tolerated one, and the unknown where it is
+        largest.
     """
     why = provide(run, end)
     if why != GOES_ON:
@@ -185,11 +217,12 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
     code, count, _, rate, _, error, unknown = _attempt(calls.step, (task,))
     good, s, counted = code == CONVERGED, stages.X.shape[0], 1 if numbers[TAKEN] == WHOLE else 0
-    if not good and numbers[FRESH] != 0:
-        return ASK, 0, 0.0, 0
     numbers[EVALUATED] += counted * (count + 1 if good else count) * s
     if not good:
-        clock[RATE], numbers[HAVE] = 1.0, 0
+        clock[RATE] = 1.0
+        if numbers[FRESH] != 0:
+            return FAILED, count, 0.0, 0
+        numbers[HAVE] = 0
         return AGAIN, count, 0.0, 0
     clock[RATE] = rate
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
@@ -198,6 +231,32 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     if too_far > error:
         error, unknown = too_far, 6 * node + 3
     return GOES_ON, count, error, unknown
+
+
+@exact_part
+def clear(rows: Floats) -> None:
+    """Set rows to zero."""
+    for k in range(rows.shape[0]):
+        for i in range(rows.shape[1]):
+            rows[k, i] = 0.0
+
+
+@exact_part
+def clear_blocks(blocks: Floats) -> None:
+    """Set blocks to zero."""
+    for s in range(blocks.shape[0]):
+        for i in range(blocks.shape[1]):
+            for j in range(blocks.shape[2]):
+                blocks[s, i, j] = 0.0
+
+
+@exact_part
+def copy_blocks(a: Floats, b: Floats) -> None:
+    """Copy blocks."""
+    for s in range(a.shape[0]):
+        for i in range(a.shape[1]):
+            for j in range(a.shape[2]):
+                b[s, i, j] = a[s, i, j]
 
 
 @exact_part

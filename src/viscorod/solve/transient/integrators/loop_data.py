@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
+from viscorod.mechanics.elements.geometric_element import Assembled
+from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
@@ -29,8 +32,9 @@ state that is put back."""
     TRIED,
     EVALUATED,
     FACTORISED,
+    RENEWED,
     NUMBERS,
-) = range(14)
+) = range(15)
 """Places among the numbers: whether there is a Jacobian, and one of the present step, and whether its factors are lost;
 most steps; then counts, among them the steps that are tried again, beside whether the present one is, and what of it is
 taken."""
@@ -52,9 +56,10 @@ WHOLE, FIRST_HALF, SECOND_HALF = range(3)
 START, MIDDLE, END, BETTER_MIDDLE, BETTER_END, TRIAL_ROWS = range(6)
 """States that are kept of a step that is tried again: its own, then those of its halves."""
 
-REACHED, FULL, ASK, BROKEN, RAISED, GOES_ON, AGAIN = range(7)
+REACHED, FULL, ASK, BROKEN, RAISED, GOES_ON, AGAIN, FAILED = range(8)
 """Why a loop ends: at the corner; enough steps, or arrays are full; the next attempt is Python's; strains are out of
-bounds; an exception in Python. Or it goes on, or an attempt is to be made again with another Jacobian."""
+bounds; an exception in Python. Or it goes on, or an attempt is to be made again with another Jacobian, or it has failed
+with a new one."""
 
 
 class LoopModel(NamedTuple):
@@ -66,6 +71,25 @@ class LoopModel(NamedTuple):
     task: Any
     reading: Reading
     gap: Floats
+
+
+class Renewal(NamedTuple):
+    """What a Jacobian is renewed with where loads and supports stand still and all elements are of one group.
+
+    Attributes:
+        elements, group, fields: of the assembly; out: internal forces, which nobody reads, and the matrices.
+        ad: of the twists ``(n, 6, 6)``; external, square: scratch ``(n, 6)``, ``(6, 6)``.
+        target: prescribed values of the supports ``(m, 6)``.
+    """
+
+    elements: Elements
+    group: ElementGroup
+    fields: PointFields
+    out: Assembled
+    ad: Floats
+    external: Floats
+    square: Floats
+    target: Floats
 
 
 class LoopSystems(NamedTuple):
@@ -150,7 +174,7 @@ class Backup(NamedTuple):
 
 
 class Addresses(NamedTuple):
-    """Where the kernels are, and Python functions; 0 where nothing changes in the loads.
+    """Where the kernels are, and Python functions; 0 where nothing changes in the loads, or Python renews Jacobians.
 
     ``message (4,)`` tells Python the time, the end of the step, whether it is a corner, and whether it is a half.
     """
@@ -165,6 +189,12 @@ class Addresses(NamedTuple):
     extent: int
     end: int
     between: int
+    adjoint: int
+    assemble: int
+    collect: int
+    add_loads: int
+    add_inertia: int
+    project: int
     renew: int
     prepare: int
     message: Floats
@@ -176,7 +206,7 @@ class StepLoop(NamedTuple):
     Attributes:
         model, systems, state, calls: what steps are made of.
         clock, numbers, limits: see above; control: those of ``step_choice``; trials: steps that are tried again.
-        batch: outputs; backup: of what steps go on from.
+        batch: outputs; backup: of what steps go on from; renewal: of Jacobians.
     """
 
     model: LoopModel
@@ -190,3 +220,4 @@ class StepLoop(NamedTuple):
     trials: Floats
     batch: Batch
     backup: Backup
+    renewal: Renewal

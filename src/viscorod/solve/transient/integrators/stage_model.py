@@ -80,7 +80,8 @@ class StageModel:
         )
         memory = system.relaxation
         self.dashpots = None if memory is None else StageDashpots(memory, body, tableau)
-        self.systems = StageSystems(body, system.matrix.scales, tableau, problem.plan, self.dashpots)
+        plan = problem.plan_without(supports.set.nodes[supports.complete])  # their poses are prescribed
+        self.systems = StageSystems(body, system.matrix.scales, tableau, plan, self.dashpots)
         self.recorder = StepRecorder(
             body,
             self.actions.motion,
@@ -113,8 +114,8 @@ class StageModel:
         self._numbers = np.zeros(step_task.NUMBERS)
         self._shared: Shared[StepTask] | None = None
         self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
-        self.trying, self._project = KnownTypes(try_step), KnownTypes(jacobian.project)
-        self._adjoint, self._add_inertia = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
+        self.trying, self.projection = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self.adjoints, self.inertia_terms = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian = self._fresh_jacobian = False
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
@@ -240,7 +241,7 @@ class StageModel:
     def renew_jacobian(self) -> None:
         """Linearise at the start of the step."""
         state, matrices, body = self.state, self.matrices, self.body
-        self._adjoint.call(state.twist, self._ad)
+        self.adjoints.call(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
@@ -248,7 +249,7 @@ class StageModel:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass
-        self._add_inertia.call(
+        self.inertia_terms.call(
             body.mass,
             state.twist,
             self._ad,
@@ -259,7 +260,7 @@ class StageModel:
             self.scratch.square,
         )
         self.actions.move_supports(self.t, before=False)
-        self._project.call(
+        self.projection.call(
             body.supports,
             self.supports.target,
             self._reaction,

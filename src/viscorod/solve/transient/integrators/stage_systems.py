@@ -20,7 +20,8 @@ class StageSystems:
     """Matrices ``mu^2 M + mu C + K`` with the eigenvalues ``mu`` of a method, and their factors.
 
     Args:
-        body: the model; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations.
+        body: the model; scales: of its unknowns ``(6 N,)``; tableau: the method; plan: of factorisations,
+            without the nodes that are held.
         dashpots: Maxwell branches, whose stiffness depends on ``mu``; None if there are none.
 
     Attributes:
@@ -84,9 +85,10 @@ class StageSystems:
         return True
 
     def solve_real(self, right: Floats) -> Floats:
-        """Return the solution with the real matrix for ``right (N, 6)``."""
+        """Return the solution with the real matrix for ``right (N, 6)``; held nodes do not move."""
         self.provide()
         x = np.ascontiguousarray(right * self.factors.real_rows.reshape(right.shape))
+        x[list(self.real.plan.without)] = 0.0
         self.real.solve(x)
         return np.asarray(x * self.factors.scales.reshape(right.shape))
 

@@ -1,9 +1,9 @@
 """Many steps of Radau IIA in one compiled call: attempts, step control, energy account, records, and halves of steps.
 
 The large kernels (the step, factorisations) are called through their addresses, and what the loop works on is handed
-from part to part by reference, so that it is compiled once and quickly; Python is called for what only it can do, new
-Jacobians and loads that change. Every number is that of steps taken one by one (see ``collocation``, ``radau``,
-``transient_solver``), bit for bit.
+from part to part by reference, so that it is compiled once and quickly; Python is called for what only it can do: loads
+that change, and new Jacobians while they do. Every number is that of steps taken one by one (see ``collocation``,
+``radau``, ``transient_solver``), bit for bit.
 """
 
 from __future__ import annotations
@@ -16,6 +16,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     ASK,
     BROKEN,
     ELASTIC,
+    FAILED,
     FIRST,
     FULL,
     GOES_ON,
@@ -80,6 +81,11 @@ def take_whole(run: StepLoop) -> int:
     numbers[ITERATED] += count
     notes[0, steps] += count
     if came == AGAIN:
+        return GOES_ON
+    if came == FAILED:
+        notes[0, steps] = 0
+        accept_step(run.control, False, 0.0, count, h)
+        numbers[REJECTED] += 1
         return GOES_ON
     if came != GOES_ON:
         return came
