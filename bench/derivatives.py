@@ -131,14 +131,18 @@ def compared(model: vr.Model, key: str, kind: str, rng: np.random.Generator) -> 
     def numbers(result: object) -> np.ndarray:
         if kind == "modes":
             return result.eigenvalues[result.rigid :]
-        return result.data["position"].values
+        states = result.data["position"].values
+        return states[-1:] if kind == "equilibrium" else states  # load steps of neighbours may be others
 
     number = CaseNumber.of(model, key)
     found = getattr(model, kind)(**settings, derivatives=[key])
     mine = found.derivatives[key].of(numbers)
 
     def at(value: float) -> np.ndarray:
-        return numbers(getattr(with_values(model, {key: value}), kind)(**settings))
+        result = getattr(with_values(model, {key: value}), kind)(**settings)
+        if kind == "simulate" and result.outcome != "completed":
+            raise vr.SolveError(f"the motion of a neighbour ended: {result.outcome}")
+        return numbers(result)
 
     expected, error = differences(at, number.value, [step * number.size for step in STEPS[kind]])
     scale = np.abs(numbers(found)).max() if kind == "modes" else 0.3

@@ -2,12 +2,20 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
+import xarray as xr
 
 import viscorod as vr
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.provenance import material_record
+from viscorod.analyses.start_state import StartState
 from viscorod.errors import InputError
+from viscorod.results.data_schema import annotated
+from viscorod.results.dataset import dataset
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
@@ -15,6 +23,8 @@ from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.sensitivity import motion_sensitivity
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.motion_sensitivity import KeptSteps
+from viscorod.solve.start import Start
+from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.radau import Radau
 
 E, TAU = "materials.rubber.youngs_modulus", "materials.rubber.damping.shear_time"
@@ -277,6 +287,78 @@ def _rotation(q):
     )
 
 
+def test_data_beside_a_result_are_those_made_anew():
+    """Independent: the data set of a neighbour as every result's is made, without the result that it stands beside.
+
+    Lengths, rest shapes, joints and materials of the neighbour are its own.
+    """
+    model = assembly()
+    keys = ["rods.beam.end[0]", "materials.rubber.density", "bodies.tip.mass"]
+    run = model.simulate(0.02, output_interval=0.005, derivatives=keys)
+    rest = model.equilibrium(derivatives=keys)
+    for result in (run, rest):
+        for derivative in result.derivatives.values():
+            near = derivative.parts[0].result
+            one, history, _ = near._build.args
+            made = dataset(
+                result.kind, one.problem, one.system.gauss_positions(), history, one.attributes(result)
+            )
+            xr.testing.assert_identical(near.data, annotated(made, result.kind))
+            case = json.loads(near.data.attrs["case"])
+            assert case != json.loads(result.data.attrs["case"])
+            record = material_record(one.discrete.model)
+            assert {name: near.data.attrs[name] for name in record} == record
+
+
+def test_a_second_number_takes_up_what_the_first_one_found(monkeypatch):
+    """Between the neighbours of one number is the motion itself, and theirs of another mirror each other about it.
+
+    With predictions corrected by that, those of a second number need three quarters of the iterations at most.
+    """
+    iterated = []
+    attempt = Collocation.attempt
+
+    def counted(self, *args, **given):
+        report = attempt(self, *args, **given)
+        if self.company is not None:
+            iterated.append(report.iterations)
+        return report
+
+    monkeypatch.setattr(Collocation, "attempt", counted)
+    sums = []
+    for keys in ([E], [E, "rods.beam.section.width"]):
+        iterated.clear()
+        swing().simulate(0.2, output_interval=0.1, derivatives=keys)
+        sums.append(sum(iterated))
+    assert sums[1] - sums[0] < 0.8 * sums[0]
+
+
+def test_a_state_that_was_stored_is_taken_as_it_is(monkeypatch):
+    """Independent: the same state interpolated between those that were stored, at its own instant."""
+    model = assembly()
+    run = model.simulate(0.02, output_interval=0.005, initial="reference")
+    discrete = DiscreteModel.of(model)
+    for given in (Start(result=run, time=0.01), Start(result=model.equilibrium())):
+        stored = StartState(discrete, given).state
+        with monkeypatch.context() as patch:
+            patch.setattr(StartState, "_stored", lambda self: None)
+            between = StartState(discrete, given).state
+        np.testing.assert_allclose(stored.r, between.r, rtol=0.0, atol=1e-14)
+        np.testing.assert_allclose(np.abs(np.sum(stored.q * between.q, axis=1)), 1.0, rtol=1e-14)
+        np.testing.assert_allclose(
+            stored.twist, between.twist, rtol=0.0, atol=1e-12 * np.abs(between.twist).max()
+        )
+
+
+def test_a_number_that_opens_a_joint_of_the_shape_at_the_start_is_refused():
+    """What was told of it before was that Newton's method diverged in some step; one that closes it has derivatives."""
+    model = assembly()
+    given = {"duration": 1e-3, "output_interval": 5e-4, "initial": "reference"}
+    with pytest.raises(InputError, match=r"rods\.beam\.end\[0\].*takes the places of .*beam\.end.* apart"):
+        model.simulate(**given, derivatives=["rods.beam.end[0]"])
+    assert model.simulate(**given, derivatives=["rods.arm.end[1]"]).derivatives
+
+
 def test_a_release_has_the_derivative_of_its_equilibrium_at_the_start():
     """The state at t = 0 is the equilibrium; what follows from the motion has derivatives too."""
     model = swing()
@@ -360,6 +442,28 @@ def test_a_steady_rotation_stretches_as_its_spin_and_modulus_say():
     by_modulus, by_density = (found.derivatives[key].history("bar.end").values[-1, 0] for key in keys)
     assert by_modulus == pytest.approx(-stretch / 2e11, rel=1e-3)  # of the square of the strain
     assert by_density == pytest.approx(stretch / 8000.0, rel=1e-3)
+
+
+def test_steady_rotations_turn_with_a_rod_that_is_clamped_otherwise():
+    """Richardson-extrapolated differences, and one formulation the other: where a rod ends turns its clamp, too.
+
+    In the intrinsic one the clamp of the neighbours stayed where it was, and all derivatives were wrong by themselves.
+    """
+    key, model = "rods.beam.end[1]", vr.Model()
+    section, tau = vr.Rectangle(0.02, 0.012), vr.KelvinVoigt(0.004, 0.006)
+    material = vr.Material(2.5e6, poissons_ratio=0.4, density=1100.0, damping=tau)
+    given = {"section": section, "material": material, "elements": 2, "order": 3}
+    model.add("beam", vr.Rod.straight((0.05, 0, 0), (0.3, 0.02, 0.01), **given))
+    model.clamp("beam.start")
+    for formulation in ("geometric", "intrinsic"):
+
+        def tip(value, formulation=formulation):
+            near = with_values(model, {key: value}).steady(spin=(0.0, 0.0, 15.0), formulation=formulation)
+            return near.data.position.values[0, -1]
+
+        found = model.steady(spin=(0.0, 0.0, 15.0), formulation=formulation, derivatives=[key])
+        mine = found.derivatives[key].data.position.values[0, -1]
+        np.testing.assert_allclose(mine, extrapolated(tip, 0.02, 2e-4), atol=1e-7 * np.abs(mine).max())
 
 
 def test_a_value_with_its_gradient_goes_to_an_optimiser():

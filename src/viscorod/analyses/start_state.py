@@ -135,15 +135,37 @@ class StartState:
         index = 0 if self._instant is not None else self._index
         return {name: values[index] for name, values in found.items()}
 
+    def _parts(self) -> list[dict[str, Floats]]:
+        """Return the fields of all stations of rods and of the bodies; interpolated where these were not stored."""
+        problem, data = self.discrete.problem, self.result.data
+        stations, sites, bodies = problem.stations, self.result.sites, problem.bodies.names
+        rods = [problem.rods[rod] for rod in stations.rod]
+        stored = self._stored()
+        same = np.array_equal(data["station_rod"].values, [*rods, *bodies])
+        if stored is not None and same and np.array_equal(data["station_s"].values[: len(rods)], stations.s):
+            names = ("position", "rotation", "velocity", "angular_velocity")
+            return [
+                {
+                    name: np.array(data[name].isel({self.result.dimension: stored}).values, dtype=float)
+                    for name in names
+                    if name in data
+                }
+            ]
+        found = [self._fields([sites.along(rod, float(s)) for rod, s in zip(rods, stations.s, strict=True)])]
+        return [*found, self._fields([sites.at(name) for name in bodies])] if bodies else found
+
+    def _stored(self) -> int | None:
+        """Return the number of the stored state that this is, None if it is one between."""
+        if self._instant is None:
+            return self._index
+        times = np.asarray(self.result.data[self.result.dimension].values, dtype=float)
+        nearest = int(np.argmin(np.abs(times - self._instant.time[0])))
+        return nearest if times[nearest] == self._instant.time[0] else None
+
     def _read(self) -> State:
         discrete, problem = self.discrete, self.discrete.problem
-        stations, sites = problem.stations, self.result.sites
-        on_rods = [
-            sites.along(problem.rods[rod], float(s)) for rod, s in zip(stations.rod, stations.s, strict=True)
-        ]
-        parts = [self._fields(on_rods)]
-        if problem.bodies.names:
-            parts.append(self._fields([sites.at(name) for name in problem.bodies.names]))
+        sites = self.result.sites
+        parts = self._parts()
         position, rotation = (
             np.concatenate([part[name] for part in parts]) for name in ("position", "rotation")
         )

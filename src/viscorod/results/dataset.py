@@ -38,6 +38,39 @@ def dataset(
     """
     import xarray as xr
 
+    variables, coordinates, places = _content(kind, problem, gauss, history)
+    return xr.Dataset(
+        variables,
+        _indexed(coordinates, places, (DIMENSION[kind], np.array(history.instant))),
+        attrs={"kind": kind, **attrs},
+    )
+
+
+def dataset_beside(
+    result: xr.Dataset, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
+) -> xr.Dataset:
+    """Arrange a history of a model that differs from that of a ``result`` in numbers only, in the same states.
+
+    Names, units and indexes are those of the result; to make them again takes three quarters of :func:`dataset`.
+    """
+    kind = str(result.attrs["kind"])
+    variables, coordinates, _ = _content(kind, problem, gauss, history)
+    beside = [
+        name for name in result.data_vars if name not in variables
+    ]  # what the mesh makes wrong, for one
+    found = result.drop_vars(beside) if beside else result.copy()
+    for name, given in (variables | coordinates).items():
+        values = np.asarray(given[1])
+        if values.dtype.kind in "fi":
+            found.variables[name].data = values
+    found.attrs = {"kind": kind, **attrs}
+    return found
+
+
+def _content(
+    kind: str, problem: Problem, gauss: GaussPositions, history: History
+) -> tuple[dict[str, Any], dict[str, Any], dict[str, tuple[str, ...]]]:
+    """Return variables, coordinates along stations, points and others, and dimensions whose places have names."""
     along = DIMENSION[kind]
     reader = StationReader(problem)
     r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
@@ -77,11 +110,7 @@ def dataset(
         coordinates |= connections(problem, reader)
         joints = _joints(along, problem, recorded.joints)
         variables, coordinates = variables | joints[0], coordinates | joints[1]
-    return xr.Dataset(
-        variables,
-        _indexed(coordinates, places, (along, np.array(history.instant))),
-        attrs={"kind": kind, **attrs},
-    )
+    return variables, coordinates, places
 
 
 def _of_motion(

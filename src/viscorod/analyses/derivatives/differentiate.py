@@ -16,7 +16,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset
+from viscorod.results.dataset import dataset_beside
 from viscorod.results.derivative import Derivative, Part
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.solve.energy_account import EnergyAccount
@@ -107,11 +107,10 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        parts.append(
-            Part(one.weight, one.change, kind.later(partial(_dataset, kind.kind, one, history, result)))
-        )
+        parts.append(Part(one.weight, one.change, kind.later(partial(_dataset, one, history, result))))
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
-def _dataset(kind: str, one: Neighbour, history: History, result: Any) -> xr.Dataset:
-    return dataset(kind, one.problem, one.system.gauss_positions(), history, one.attributes(result))
+def _dataset(one: Neighbour, history: History, result: Any) -> xr.Dataset:
+    gauss = one.system.gauss_positions()
+    return dataset_beside(result.data, one.problem, gauss, history, one.attributes(result))

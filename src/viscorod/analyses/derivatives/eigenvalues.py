@@ -21,7 +21,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError, SolveError, warn
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset
+from viscorod.results.dataset import dataset_beside
 from viscorod.results.derivative import Derivative, Part
 from viscorod.results.modes_result import Modes
 from viscorod.solve.formulations.system import State
@@ -253,7 +253,8 @@ def _derivative(
     number = neighbours.number
     parts = []
     for one, history, shape in zip(neighbours.each, histories, shapes, strict=True):
-        data = dataset(Modes.kind, one.problem, one.system.gauss_positions(), history, one.attributes(result))
+        gauss = one.system.gauss_positions()
+        data = dataset_beside(result.data, one.problem, gauss, history, one.attributes(result))
         s = result.eigenvalues + one.change * rates
         kept: dict[str, Any] = {
             "mode_name": ("small_motion", result.data["mode_name"].values),

@@ -29,6 +29,7 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.start import Start
 from viscorod.solve.transient.given_steps import Retraced, side_by_side
 from viscorod.solve.transient.integrators import INTEGRATORS
+from viscorod.solve.transient.integrators.company import Member
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.typing import Floats
 
@@ -46,8 +47,14 @@ UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
 LEAST, WANTED, MOST = 3e-6, 1e-5, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
-LARGEST = 1e-3
+LARGEST = 5e-4
 """Change of a number, as a part of it, that hardly matters."""
+WEAK, WEAKER = ("damping", "inertia"), 10.0
+"""Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
+OPEN = 1e-9
+"""Gap of a joint over the length of the model (in rad) from which on it is open."""
+ALIKE = 0.5
+"""Part by which another distance differs, at least, to be worth another motion."""
 
 
 def motion_derivatives(
@@ -61,18 +68,23 @@ def motion_derivatives(
     require_known(settings, run, keys)
     close = None if settings.integrator in UNEVEN else change_of(len(run.ends_of_steps))
     start = MotionStart(discrete, settings, run)
-    every = [Neighbours.of(model, key, discrete, close) for key in keys]
+    at_first = [close and close * (WEAKER if any(word in key for word in WEAK) else 1.0) for key in keys]
+    every = [Neighbours.of(model, key, discrete, few) for key, few in zip(keys, at_first, strict=True)]
     histories = _histories(every, settings, start, run)
-    found: dict[str, Derivative[Run]] = {}
-    for neighbours, kept in zip(every, histories, strict=True):
-        key, moved = neighbours.number.key, _moved(kept, discrete.problem.length)
-        other = None if close is None or LEAST <= moved <= MOST else close * WANTED / max(moved, 1e-30)
-        if other is not None:
-            again = Neighbours.of(model, key, discrete, min(other, LARGEST))
-            found[key] = derivative(again, run, _histories([again], settings, start, run)[0], Run)
-        else:
-            found[key] = derivative(neighbours, run, kept, Run)
-    return found
+    again = {}
+    for k, (neighbours, kept) in enumerate(zip(every, histories, strict=True)):
+        few, moved = at_first[k], _moved(kept, discrete.problem.length)
+        if few is None or LEAST <= moved <= MOST:
+            continue
+        other = min(few * WANTED / max(moved, 1e-30), LARGEST)
+        if abs(other - few) > ALIKE * few:
+            again[k] = Neighbours.of(model, neighbours.number.key, discrete, other)
+    for k, kept in zip(again, _histories(list(again.values()), settings, start, run), strict=True):
+        every[k], histories[k] = again[k], kept
+    return {
+        neighbours.number.key: derivative(neighbours, run, kept, Run)
+        for neighbours, kept in zip(every, histories, strict=True)
+    }
 
 
 def change_of(steps: int) -> float:
@@ -84,13 +96,16 @@ def _histories(
     every: Sequence[Neighbours], settings: SimulateSettings, start: MotionStart, run: Run
 ) -> list[list[History]]:
     """Return the motions of all neighbours, which go through the steps and the stored times of a run."""
-    motions, states = [], []
-    for neighbours in every:
+    if not every:
+        return []
+    motions, states, members = [], [], []
+    for number, neighbours in enumerate(every):
         for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
             integrator = exact_integrator(one, settings)
             motions.append(Retraced(one.problem, integrator, run.ends_of_steps, run.time))
             states.append(state)
-    stuck = side_by_side(motions, states, settings.duration)
+            members.append(Member(number, one.change))
+    stuck = side_by_side(motions, states, settings.duration, members)
     if stuck is not None:
         number = motions.index(stuck)
         keys = [neighbours.number.key for neighbours in every for _ in neighbours.each]
@@ -161,7 +176,42 @@ class MotionStart:
     def states(self, neighbours: Neighbours) -> list[State]:
         """Return the states from which neighbours start."""
         increment = None if self.change is None else self.change.increment(neighbours)
-        return [self._state(one, increment) for one in neighbours.each]
+        found = [self._state(one, increment) for one in neighbours.each]
+        if not self.given and self.change is None:
+            own = self._open(self.discrete, State.reference(self.discrete.problem))
+            for one, state in zip(neighbours.each, found, strict=True):
+                self._require_closed(neighbours.number.key, one, state, own)
+        return found
+
+    @staticmethod
+    def _open(one: Neighbour | DiscreteModel, state: State) -> Floats:
+        """Return the gaps of joints ``(joints,)`` in a state, over their units."""
+        constraints = one.system.constraints
+        constraints.update(0.0)
+        places = constraints.arrays.place[constraints.is_held]
+        found: Floats = np.abs(constraints.gaps(state) / constraints.unit)[places]
+        return found
+
+    def _require_closed(self, key: str, one: Neighbour, state: State, own: Floats) -> None:
+        """Refuse a number that takes the places of a joint apart, of a motion that starts as the model is built.
+
+        Raises:
+            InputError: it does: the first steps would throw them together.
+        """
+        opened = self._open(one, state) - own
+        if opened.max(initial=0.0) > OPEN:
+            joint = np.flatnonzero(self.discrete.system.constraints.is_held)[int(np.argmax(opened))]
+            joints = self.discrete.problem.joints
+            name = joints.names[joints.joint[joint]]
+            raise InputError(
+                Fault(
+                    "derivatives",
+                    repr(key),
+                    f"it takes the places of {name} apart, and the motion starts in the reference shape, in which they "
+                    "would be thrown together",
+                    "start from the equilibrium (leave initial out), or name a number that keeps the joint closed",
+                )
+            )
 
     def _state(self, one: Neighbour, increment: Floats | None) -> State:
         if self.given:

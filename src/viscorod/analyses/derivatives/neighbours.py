@@ -8,6 +8,7 @@ the same. Nothing is solved for these.
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import Any, NamedTuple
@@ -17,7 +18,7 @@ import numpy as np
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
 from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
-from viscorod.analyses.provenance import material_record, provenance, section_record
+from viscorod.analyses.provenance import material_record, section_record
 from viscorod.errors import Fault, InputError
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
@@ -74,11 +75,13 @@ class Neighbour:
 
     Attributes:
         change: of the number; weight: of what is computed with it, in the derivative.
+        other_rods: whether rods, their materials or sections may be other ones.
     """
 
     change: float
     weight: float
     discrete: DiscreteModel
+    other_rods: bool = True
 
     @property
     def problem(self) -> Problem:
@@ -102,11 +105,11 @@ class Neighbour:
 
     def attributes(self, result: Any) -> dict[str, Any]:
         """Return the attributes of a result for this one: its materials and sections are its own."""
-        own = provenance(self.discrete.model, "", {})["case"]
+        model = self.discrete.model
         kept = {name: value for name, value in result.data.attrs.items() if name != "kind"}
-        known = material_record(self.discrete.model)
-        sections = section_record(self.discrete.model, self.system.gauss_positions())
-        return kept | known | sections | {"case": own}
+        if self.other_rods:
+            kept |= material_record(model) | section_record(model, self.system.gauss_positions())
+        return kept | {"case": json.dumps(model.to_dict())}
 
 
 class Neighbours(NamedTuple):
@@ -151,8 +154,14 @@ class Neighbours(NamedTuple):
             except InputError as error:
                 refused = refused or error
                 continue
+            rods = discrete.model.rods.values()
             each = [
-                Neighbour(step * place, weight / step, made)
+                Neighbour(
+                    step * place,
+                    weight / step,
+                    made,
+                    not all(a is b for a, b in zip(rods, made.model.rods.values(), strict=True)),
+                )
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
             return cls(number, tuple(each), tuple(weight / step for weight in scheme.rough))

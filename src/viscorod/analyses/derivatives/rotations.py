@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from viscorod.analyses.derivatives.neighbours import Neighbours
+from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.analyses.steady import steady_rotation
@@ -15,6 +15,7 @@ from viscorod.errors import InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.derivative import Derivative, Part
 from viscorod.results.steady_result import Steady
+from viscorod.solve.formulations.system import State
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.start import Start
 
@@ -35,8 +36,9 @@ def steady_derivatives(
         neighbours = Neighbours.of(model, key, discrete)
         number, parts = neighbours.number, []
         for one in neighbours.each:
+            first = _held_as(one, state)
             try:
-                near = steady_rotation(one.discrete, settings, state.copy())
+                near = steady_rotation(one.discrete, settings, first)
             except (InputError, SolveError) as error:
                 raise SolveError(
                     f"The steady rotation has no derivative by {key}: it was not found for a slightly different "
@@ -44,4 +46,15 @@ def steady_derivatives(
                 ) from None
             parts.append(Part(one.weight, one.change, near))
         found[key] = Derivative(number.key, number.value, number.unit, result, parts)
+    return found
+
+
+def _held_as(one: Neighbour, state: State) -> State:
+    """Return a state with the poses that a neighbour has where it is held: twists and strains do not tell them."""
+    found, problem = state.copy(), one.problem
+    for node, fixed in zip(problem.supports.nodes, problem.supports.fixed, strict=True):
+        if fixed[:3].all():
+            found.r[node] = problem.positions[node]
+        if fixed.all():
+            found.q[node] = problem.quaternions[node]
     return found

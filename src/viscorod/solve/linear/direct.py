@@ -84,14 +84,19 @@ class DirectSolver:
         if transposed:  # compiled only where it is asked for
             from viscorod.solve.linear.transposed import substitute_transposed
 
-            rest = self.factors.rest.copy()
-            rest[1] = self._sparse.transposed.address if self._sparse else 0
-            substitute_transposed(*self.factors._replace(rest=rest), b.reshape(-1))
+            substitute_transposed(*self.transposed_factors, b.reshape(-1))
         else:
             known = self._substitute.call if b.dtype == self._kind else substitute
             known(*self.factors, b.reshape(-1))
         self.check()
         return b
+
+    @property
+    def transposed_factors(self) -> Factors:
+        """The factors for solutions of the transposed system."""
+        rest = self.factors.rest.copy()
+        rest[1] = self._sparse.transposed.address if self._sparse else 0
+        return self.factors._replace(rest=rest)
 
     def check(self) -> None:
         """Raise what went wrong in solutions within compiled code."""

@@ -10,15 +10,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN
 from viscorod.mechanics.nodes.inertia import add_coriolis
-from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import load_count
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
+from viscorod.solve.sensitivity.array_gradients import add_of_elements, add_of_inertia
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
@@ -50,6 +51,8 @@ class ArrayForces:
         self._times: list[tuple[float, bool]] = [(0.0, False)] * stages
         self._gravity, self._fall = np.zeros((stages, 3)), np.zeros((stages, self.problem.size, 6))
         self.scale = np.zeros((stages, len(actions.system.constraints.scale)))
+        self._virtual: Floats = np.zeros((stages, count, points, 6))
+        self._of_elements, self._of_inertia = KnownTypes(add_of_elements), KnownTypes(add_of_inertia)
         self._step: StageRecord
 
     def take(self, i: int, t: float, before: bool, scale: Floats) -> None:
@@ -93,25 +96,34 @@ class ArrayForces:
 
         Those by the factors of the ``loads`` only if they are wanted.
         """
+        found = ArrayChanges.none(self.problem, self._elements)
+        self.add_gradient(weights, found, loads=loads)
+        return found
+
+    def add_gradient(self, weights: Floats, found: ArrayChanges, *, loads: bool = True) -> None:
+        """Add what :meth:`gradient` returns."""
         step, elements, problem, held = self._step, self._elements, self.problem, self.problem.held
-        n, found = problem.size, ArrayChanges.none(problem, elements)
+        n = problem.size
         nodal = np.ascontiguousarray(weights[:, :n])
-        at_elements = nodal[:, elements.nodes].reshape(*self.B.shape[:2], -1, 1)
-        virtual = (self.B @ at_elements).reshape(step.strain.shape) * self.weights[:, :, None]
-        by_strain = np.einsum("segi,segj->egij", virtual, step.strain)
-        by_rate = np.einsum("segi,segj->egij", virtual, step.strain_rate)
-        np.add.at(found.stiffness, elements.section, by_strain)
-        np.add.at(found.damping, elements.section, by_rate)
-        found.reference[:] = -np.einsum("segji,segj->egi", self._tangents(), virtual)
-        for i, x in enumerate(step.twist):
+        places = elements.nodes, elements.section
+        by = found.stiffness, found.damping
+        self._of_elements.call(
+            self.B, self.weights, *places, step.strain, step.strain_rate, nodal, self._virtual, *by
+        )
+        np.subtract(
+            found.reference,
+            np.einsum("segji,segj->egi", self._tangents(), self._virtual)
+            if elements.laws.present
+            else (self._virtual.sum(axis=0)[..., None, :] @ elements.stiffness[elements.section])[..., 0, :],
+            out=found.reference,
+        )
+        self._of_inertia.call(nodal, step.twist, self._fall, found.mass)
+        for i in range(len(nodal)):
             if len(held.place):
                 gaps = self.scale[i] * weights[i, n:].ravel()
                 found.reference[held.element, held.point, held.component] -= gaps[held.place]
             for load in range(len(found.factors) if loads else 0):
                 found.factors[load] -= float(np.vdot(nodal[i], self.unit_load(i, load)))
-            found.mass[:] += nodal[i, :, :, None] * self._fall[i, :, None, :]
-            found.mass[:] -= np.einsum("nij,nj->ni", adjoint_map(x), nodal[i])[:, :, None] * x[:, None, :]
-        return found
 
     def unit_load(self, i: int, load: int) -> Floats:
         """Return the forces ``(n, 6)`` of one load with the factor 1 at stage ``i``."""

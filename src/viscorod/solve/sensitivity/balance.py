@@ -12,7 +12,7 @@ from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN
 from viscorod.mechanics.nodes.inertia import add_coriolis
-from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
+from viscorod.mechanics.rotations.adjoint_maps import adjoint_map, skew
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
@@ -140,7 +140,10 @@ def gyroscopic(mass: Floats, x: Floats) -> Floats:
     """Return the derivatives ``(..., n, 6, 6)`` of ``L1(x) M x`` by twists ``x (..., n, 6)``, ``L1(x) = -ad(x)^T``."""
     momentum = (mass @ x[..., None])[..., 0]
     found: Floats = -np.swapaxes(adjoint_map(x), -1, -2) @ mass
-    found -= np.einsum("...na,kab->...nbk", momentum, _AXES)
+    linear, angular = skew(momentum[..., :3]), skew(momentum[..., 3:])
+    found[..., :3, 3:] -= linear
+    found[..., 3:, :3] -= linear
+    found[..., 3:, 3:] -= angular
     return found
 
 
@@ -149,6 +152,3 @@ def _coriolis(mass: Floats, x: Floats) -> Floats:
     found = np.zeros_like(x)
     add_coriolis(mass, x, found)
     return found
-
-
-_AXES = adjoint_map(np.eye(6))

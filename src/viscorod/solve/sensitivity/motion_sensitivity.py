@@ -186,7 +186,7 @@ def gradient(
             twists[-1] += by_twist
             back = linear.look_back(Weights(by_pose, twists, dashpot))
             lifted = linear.lifted(back.forces)
-            total.add(linear.arrays.gradient(lifted, loads=loads))
+            linear.arrays.add_gradient(lifted, total, loads=loads)
             if back.branches is not None:
                 dashpot = back.branches.start
                 for mine, its in (

@@ -19,6 +19,12 @@ from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.sensitivity.transposed_solution import (
+    Preconditioner,
+    StageSystem,
+    Workspace,
+    solve_transposed,
+)
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.stage_data import Discretisation
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -57,6 +63,8 @@ class StageSolver:
         ]
         self._units = np.where(np.arange(6) < 3, 1.0 / problem.length, 1.0)
         self.iterations = 0
+        self._transposed = KnownTypes(solve_transposed)
+        self._work: Workspace | None = None
 
     def factorise(
         self,
@@ -116,6 +124,39 @@ class StageSolver:
         found = self._iterate(lambda z: units * back(apply(z / units)), units * back(right))
         return np.asarray(found / units)
 
+    @property
+    def compiled(self) -> bool:
+        """Whether :meth:`solve_compiled` knows the method."""
+        return len(self._mus) == 2
+
+    def solve_compiled(self, system: StageSystem, right: Floats) -> Floats:
+        """Return the solution of the transposed ``system`` as :meth:`solve_transposed` does, in one call.
+
+        Raises:
+            SolveError: the iteration did not end.
+        """
+        factors = [solver.transposed_factors for solver in self._solvers]
+        by = Preconditioner(
+            self.tableau.to_stages,
+            self.tableau.to_modes,
+            self._scales,
+            self._units,
+            self._rows[0],
+            self._rows[1],
+            factors[0],
+            factors[1],
+        )
+        if self._work is None:
+            self._work = Workspace.of(right.shape, self.problem.size, ITERATIONS)
+        found = np.empty_like(right)
+        count = self._transposed.call(system, by, self._work, right, LEFT, ENOUGH, found)
+        for solver in self._solvers:
+            solver.check()
+        if count < 0:
+            raise _unsolved()
+        self.iterations += count
+        return found
+
     def solve_real(self, right: Floats) -> Floats:
         """Return the solution with the real matrix for ``right (N, 6)``, as steps have it."""
         x = right.ravel() * self._rows[0]
@@ -141,9 +182,7 @@ class StageSolver:
         while abs(goal[k]) > LEFT * size:
             if k == ITERATIONS:
                 if abs(goal[k]) > ENOUGH * size:
-                    raise SolveError(
-                        "the linearisation of a step was not solved: its derivatives are unknown"
-                    )
+                    raise _unsolved()
                 break
             new = apply(basis[k].reshape(right.shape)).ravel()
             for _ in range(2):  # what one projection leaves, the second removes
@@ -196,3 +235,7 @@ class StageSolver:
                 x *= self._rows[k]
                 modes[2 * k - 1], modes[2 * k] = x.real, -x.imag
         return np.asarray((self.tableau.to_modes.T @ modes).reshape(weights.shape))
+
+
+def _unsolved() -> SolveError:
+    return SolveError("the linearisation of a step was not solved: its derivatives are unknown")

@@ -28,6 +28,7 @@ from viscorod.solve.sensitivity.known_models import require_linearisable
 from viscorod.solve.sensitivity.stage_branches import StageBranches
 from viscorod.solve.sensitivity.stage_records import LookedBack, StageRecord, Weights
 from viscorod.solve.sensitivity.stage_solver import StageSolver
+from viscorod.solve.sensitivity.transposed_solution import StageSystem
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.stage_data import Matrices
@@ -252,7 +253,7 @@ class StepLinearisation:
         dashpot = weights.dashpot
         if self.branches is not None and dashpot is not None:
             by_poses[:, :n] += self.branches.nodal(self.branches.by_end(dashpot), n)
-        forces = -self.solver.solve_transposed(self._apply_transposed, by_poses)
+        forces = -self._solved_back(by_poses)
         by_twist, by_acceleration = np.zeros((2, *self._shapes[0]))
         unused = np.zeros(self._shapes[1])
         fields = (self.K, self.C, self.mass)
@@ -270,6 +271,14 @@ class StepLinearisation:
             pushed = self.lifted(forces)[:, :n]
             branches = self.branches.gradient(pushed, dashpot, self._step.strain, self._step.dashpot)
         return LookedBack(self._free(start_pose), self._free(start_twist), forces, branches)
+
+    def _solved_back(self, by_poses: Floats) -> Floats:
+        """Return the solution ``(s, N, 6)`` of the transposed system."""
+        if self.branches is not None or not self.solver.compiled:
+            return self.solver.solve_transposed(self._apply_transposed, by_poses)
+        pattern = self.problem.pattern
+        fields = self._rates, *self._maps[1:], pattern.rows, pattern.columns, self.K, self.C, self.mass
+        return self.solver.solve_compiled(StageSystem(*fields), by_poses)
 
     def _add_twists_back(self, x: Floats, out: Floats) -> None:
         self._follow_back.call(self._rates, *self._maps[1:], np.ascontiguousarray(x), self._scratch, out)

@@ -15,12 +15,12 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.mechanics.rotations.quaternion import matrices as matrices_of
-from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.sensitivity.closed_states import ClosedStates
 from viscorod.solve.sensitivity.motion_sensitivity import Look
 from viscorod.solve.sensitivity.stage_records import StageRecord
+from viscorod.solve.sensitivity.step_looks import OneNode, look_within
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -81,10 +81,7 @@ class StoredWeights:
         beside = np.zeros(0, dtype=np.int64) if closing is None else closing.nodes
         self._nodes = np.unique(np.concatenate([reader.nodes[self._stations], beside]))
         self._of = np.searchsorted(self._nodes, reader.nodes[self._stations])
-        m = len(self._nodes)
-        self._copies = np.tile(np.arange(m), 72)
-        unit = np.eye(36).reshape(36, 1, 2, 3, 6)
-        self._units = np.broadcast_to(unit, (36, m, 2, 3, 6))
+        self._look, self._scratch = KnownTypes(look_within), dict[int, OneNode]()
         self._passed: list[tuple[Integers, Floats, Floats, Floats]] = []
 
     def seen(self, number: int, state: State, step: StageRecord | None) -> Look | None:
@@ -148,16 +145,14 @@ class StoredWeights:
             weights = self._nodal(np.array(inside), *base)
         else:
             weights = self._inside(np.array(inside), parts, step, starts, ends)
-        changed, sizes = self._changed(start, end, h)
-        fields = self._states(parts, h, *changed, np.tile(nodes, 72))
-        r, q, twist = (values.reshape(len(parts), 2, 36, m, -1) for values in fields)
-        moved = np.einsum("kmji,kcmj->kcmi", matrices(base[1]), r[:, 0] - r[:, 1])
-        turned = 2.0 * product(conjugate(base[1])[:, None], q[:, 0] - q[:, 1])[..., 1:]
-        sums = np.einsum("kmi,kcmi->cm", weights.pose[..., :3], moved)
-        sums += np.einsum("kmi,kcmi->cm", weights.pose[..., 3:], turned)
-        sums += np.einsum("kmi,kcmi->cm", weights.twist, twist[:, 0] - twist[:, 1])
+        ends_of_nodes = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
+        if len(parts) not in self._scratch:
+            self._scratch[len(parts)] = OneNode.of(len(parts))
+        sums = np.empty((36, m))
+        fields = self._split[nodes], base[1], *map(np.ascontiguousarray, weights), self._sizes(start, end, h)
+        self._look.call(parts, h, *ends_of_nodes, *fields, self._scratch[len(parts)], sums)
         # by pose, twist and rate at the start, then at the end
-        by = np.swapaxes((sums / (2.0 * sizes)).reshape(6, 6, m), 1, 2)
+        by = np.swapaxes(sums.reshape(6, 6, m), 1, 2)
         pose, end_twist = np.zeros((2, n, 6)) if also is None else np.array([also.pose, also.twist])
         stages, start_pose, start_twist = np.zeros(step.twist.shape), *np.zeros((2, n, 6))
         pose[nodes] += by[3]
@@ -170,28 +165,15 @@ class StoredWeights:
         start_twist[nodes] -= ending.sum() * by[5]
         return Look(pose, end_twist, stages, start_pose, start_twist)
 
-    def _changed(
-        self, start: list[Floats], end: list[Floats], h: float
-    ) -> tuple[tuple[list[Floats], list[Floats]], Floats]:
-        """Return both ends of the step 72 times, with all components of each field larger, then smaller.
-
-        Returns:
-            their fields ``(72 m, ...)``; by how much they change ``(36, 1)``.
-        """
+    def _sizes(self, start: list[Floats], end: list[Floats], h: float) -> Floats:
+        """Return by how much poses, twists and rates at the start, then at the end, are changed ``(36,)``."""
         sizes = np.empty(36)
         for side, ends in enumerate((start, end)):
             speed = max(float(np.abs(ends[2]).max(initial=0.0)), h * float(np.abs(ends[3]).max(initial=0.0)))
             size = PART * max(speed, 1e-6 * self._length / h)
             given = [*[PART * self._length] * 3, *[TURN] * 3, *[size] * 6, *[size / h] * 6]
             sizes[18 * side : 18 * side + 18] = given
-        change = self._units * sizes[:, None, None, None, None]
-        flat = np.concatenate([change, -change]).reshape(-1, 2, 3, 6)
-        changed = []
-        for side, ends in enumerate((start, end)):
-            r, q, twist, rate = (part[self._copies] for part in ends)
-            retract(r, q, np.ascontiguousarray(flat[:, side, 0]), r, q)
-            changed.append([r, q, twist + flat[:, side, 1], rate + flat[:, side, 2]])
-        return (changed[0], changed[1]), sizes[:, None]
+        return sizes
 
     def _states(
         self, parts: Floats, h: float, start: list[Floats], end: list[Floats], nodes: Integers
@@ -208,7 +190,7 @@ class StoredWeights:
         self._passed.append((instants, r, q, twist))
         stations, of = self._stations, self._of
         offset, turn = (part[stations] for part in self.reader.places)
-        R, q, twist = matrices(q)[:, of], q[:, of], twist[:, of]
+        R, q, twist, apart = matrices(q)[:, of], q[:, of], twist[:, of], offset.any()
         pose, by_twist = np.zeros((2, len(instants), len(stations), 6))
 
         def by(name: str) -> Floats | None:
@@ -218,7 +200,8 @@ class StoredWeights:
         if (position := by("position")) is not None:
             pushed = np.einsum("ksji,ksj->ksi", R, position)
             pose[..., :3] += pushed
-            pose[..., 3:] += np.cross(offset, pushed)
+            if apart:
+                pose[..., 3:] += np.cross(offset, pushed)
         if (rotation := by("rotation")) is not None:
             whole = product(q, np.broadcast_to(turn, q.shape))
             stored = self.stored[np.ix_(instants, stations)]
@@ -229,10 +212,11 @@ class StoredWeights:
         # velocities of a place that turns with its node, in the axes of the node and of the place
         if (velocity := by("velocity")) is not None:
             pushed = np.einsum("ksji,ksj->ksi", R, velocity)
-            speed = twist[..., :3] + np.cross(twist[..., 3:], offset)
+            speed = twist[..., :3] + np.cross(twist[..., 3:], offset) if apart else twist[..., :3]
             pose[..., 3:] += np.cross(speed, pushed)
             by_twist[..., :3] += pushed
-            by_twist[..., 3:] += np.cross(offset, pushed)
+            if apart:
+                by_twist[..., 3:] += np.cross(offset, pushed)
         if (spin := by("angular_velocity")) is not None:
             by_twist[..., 3:] += np.einsum("sij,ksj->ksi", matrices(turn), spin)
         gathered = (self._of == np.arange(len(self._nodes))[:, None]).astype(float)

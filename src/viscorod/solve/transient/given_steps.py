@@ -11,7 +11,7 @@ from viscorod.solve.history import History
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.collocation import Collocation
-from viscorod.solve.transient.integrators.company import Company
+from viscorod.solve.transient.integrators.company import Company, Member
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.transient_result import TransientResult
 from viscorod.solve.transient.transient_solver import Transient
@@ -92,19 +92,25 @@ class Retraced(Transient):
         return [float(at) for at in self._times[first:last]]
 
 
-def side_by_side(motions: Sequence[Retraced], states: Sequence[State], duration: float) -> Retraced | None:
+def side_by_side(
+    motions: Sequence[Retraced],
+    states: Sequence[State],
+    duration: float,
+    members: Sequence[Member] = (),
+) -> Retraced | None:
     """Let models that differ little move through the same steps; return the one that did not come to the end, if any.
 
     Args:
         motions: that have not begun; the first one leads, see ``integrators.company``.
         states: that they begin in (overwritten); duration: of all [s].
+        members: which numbers they differ by; not needed of one.
     """
     first, *others = motions
     if isinstance(first.integrator, Collocation):
-        company = Company(first.integrator)
-        for one in others:
+        company = Company(first.integrator, *(members[:1] or [Member(0, 0.0)]))
+        for one, member in zip(others, members[1:], strict=True):
             if isinstance(one.integrator, Collocation):
-                company.join(one.integrator)
+                company.join(one.integrator, member)
     for one, state in zip(motions, states, strict=True):
         one.open(state, duration)
     corners, jumps = first.corners(0.0, duration)

@@ -1,13 +1,14 @@
 """Collocation of models that differ little, side by side: the first one leads, and the others use what it found.
 
 Where their steps end at the same times, what the prediction of a step lacks is nearly the same for all, and so are the
-factors: what follows needs one or two iterations, and no factorisation. Each keeps a Jacobian of its own, as old as
-that of the leader.
+factors: what follows needs some iterations, and no factorisation. Each keeps a Jacobian of its own, as old as that of
+the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed to both
+sides the second one's follows from the first one's, to second order, and between the first two is that of no change.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -17,7 +18,7 @@ if TYPE_CHECKING:
     from viscorod.solve.transient.integrators.collocation import Collocation
     from viscorod.solve.transient.integrators.stage_systems import StageSystems
 
-__all__ = ["Company"]
+__all__ = ["Company", "Member"]
 
 LEFT = 1e-15
 """Left by the iteration (displacement over model length, rotation in rad): it goes on until nothing improves."""
@@ -25,27 +26,41 @@ LEFT = 1e-15
 
 STALE = 0.05
 """Convergence rate of the leader from which on Jacobians are renewed: all iterate far."""
+UNCHANGED = -1
+"""In the place of a number: a model in which none is changed."""
+
+
+class Member(NamedTuple):
+    """Which number a model differs by, and by how much."""
+
+    number: int
+    change: float
 
 
 class Company:
     """Integrators that take the same steps; in every step the leader is the first to do so.
 
     Args:
-        leader: of the same method as those that follow.
+        leader: of the same method as those that follow; member: what it is.
     """
 
-    def __init__(self, leader: Collocation) -> None:
+    def __init__(self, leader: Collocation, member: Member) -> None:
         self.leader = leader
         leader.company, leader.stale = self, STALE
-        self._predicted: list[Floats] = []
+        self._members: dict[int, Member] = {id(leader): member}
+        self._lacks: dict[
+            int, list[Floats]
+        ] = {}  # of the first member of each number, and where nothing changes
+        self._of: tuple[Collocation, list[Floats]] | None = None  # who tried last, and what was predicted
         self._jacobians: dict[int, int] = {}  # of the leader, when those that follow had theirs
         self._begun: dict[int, float] = {}
         self._own: dict[int, StageSystems] = {}
         self._again = False
 
-    def join(self, one: Collocation) -> None:
+    def join(self, one: Collocation, member: Member) -> None:
         """Let an integrator follow, which has not begun."""
         one.company = self
+        self._members[id(one)] = member
         self._own[id(one)] = one.systems
 
     def begin(self, one: Collocation) -> bool | None:
@@ -86,18 +101,44 @@ class Company:
         one.systems, one.recorder.solve_real = systems, systems.solve_real
 
     def correct(self, one: Collocation) -> None:
-        """Correct the predicted stages by what the prediction of the leader lacked, but for a step that is tried again.
+        """Correct the predicted stages by what those of others lacked, but for a step that is tried again.
 
         A first change next to round-off can be less than the second one, as if the iteration diverged.
         """
         mine = _predicted(one)
         if one is self.leader:
-            self._predicted = [values.copy() for values in mine]
+            self._lacks.clear()
+        elif self._of is not None and self._of[0] is not one:
+            self._learn(*self._of)
+        self._of = one, [values.copy() for values in mine]
+        if one is self.leader or self._again:
             return
-        if self._again:
-            return
-        for values, found, predicted in zip(mine, _predicted(self.leader), self._predicted, strict=True):
-            np.add(values, found - predicted, out=values)
+        for values, lack in zip(mine, self._expected(self._members[id(one)]), strict=True):
+            np.add(values, lack, out=values)
+
+    def _learn(self, other: Collocation, predicted: list[Floats]) -> None:
+        """Keep what the prediction of another integrator lacked in this step."""
+        lacked = [found - before for found, before in zip(_predicted(other), predicted, strict=True)]
+        leading, (number, change) = self._members[id(self.leader)], self._members[id(other)]
+        if number not in self._lacks:
+            self._lacks[number] = lacked
+        elif number == leading.number and UNCHANGED not in self._lacks and change != leading.change:
+            first, part = self._lacks[number], leading.change / (leading.change - change)
+            self._lacks[UNCHANGED] = [a + part * (b - a) for a, b in zip(first, lacked, strict=True)]
+
+    def _expected(self, member: Member) -> list[Floats]:
+        """Return what the prediction of a member will lack."""
+        number, change = member
+        unchanged = self._lacks.get(UNCHANGED)
+        if unchanged is None:
+            return self._lacks[self._members[id(self.leader)].number]
+        earlier, first = self._lacks.get(number), self._first(number)
+        if earlier is None or first.change == 0.0:
+            return unchanged
+        return [a + change / first.change * (b - a) for a, b in zip(unchanged, earlier, strict=True)]
+
+    def _first(self, number: int) -> Member:
+        return next(member for member in self._members.values() if member.number == number)
 
 
 def _predicted(one: Collocation) -> list[Floats]:

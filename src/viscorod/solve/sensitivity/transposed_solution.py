@@ -1,0 +1,259 @@
+"""The transposed system of all stages of a step in compiled code: GMRES, with what it applies and preconditions with.
+
+It does what :class:`~viscorod.solve.sensitivity.stage_solver.StageSolver` does call by call for any number of stages:
+here of three, which have one real matrix and one complex one, and without Maxwell branches.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+import numpy as np
+
+from viscorod.mechanics.compilation.compiled import kernel, part
+from viscorod.solve.linear.factors import Factors
+from viscorod.solve.linear.transposed import substitute_transposed
+from viscorod.solve.sensitivity.stage_maps import add_balances_transposed, follow_twists_transposed
+from viscorod.typing import Floats, Integers
+
+__all__ = ["Preconditioner", "StageSystem", "Workspace", "solve_transposed"]
+
+
+class StageSystem(NamedTuple):
+    """How the balances of all stages follow from increments of poses; see ``stage_maps``.
+
+    Attributes:
+        rates: ``(s, s)`` [1/s]; tangent, back, turning: maps ``(s, n, 6, 6)``.
+        rows, columns: of the blocks ``K, C (s, b, 6, 6)``; mass: ``(s, n, 6, 6)``.
+    """
+
+    rates: Floats
+    tangent: Floats
+    back: Floats
+    turning: Floats
+    rows: Integers
+    columns: Integers
+    K: Floats
+    C: Floats
+    mass: Floats
+
+
+class Preconditioner(NamedTuple):
+    """The matrices of a step, of the mean Jacobian of its stages.
+
+    Attributes:
+        to_stages, to_modes: of the method ``(3, 3)``; scales: of the unknowns ``(6 N,)``; units: per component.
+        real_rows, complex_rows: scales of the equations ``(6 N,)``.
+        real_factors, complex_factors: of the matrices, with transposed solutions.
+    """
+
+    to_stages: Floats
+    to_modes: Floats
+    scales: Floats
+    units: Floats
+    real_rows: Floats
+    complex_rows: Floats
+    real_factors: Factors
+    complex_factors: Factors
+
+
+class Workspace(NamedTuple):
+    """Scratch.
+
+    Attributes:
+        basis: ``(m + 1, 18 N)``; projected: ``(m + 1, m)``; turns: ``(m, 2)``; goal: ``(m + 1,)``.
+        vector, result: ``(s, N, 6)``; twist, acceleration: ``(s, n, 6)``; scratch: ``(s + 1, 6)``.
+        one, pair: right sides ``(6 N,)``, real and complex.
+    """
+
+    basis: Floats
+    projected: Floats
+    turns: Floats
+    goal: Floats
+    vector: Floats
+    result: Floats
+    twist: Floats
+    acceleration: Floats
+    scratch: Floats
+    one: Floats
+    pair: Floats
+
+    @classmethod
+    def of(cls, shape: tuple[int, ...], nodes: int, most: int) -> Workspace:
+        """Allocate for unknowns ``(s, N, 6)``, of so many nodes, and at most so many iterations."""
+        stages, places, _ = shape
+        size, each = 6 * stages * places, (stages, nodes, 6)
+        return cls(
+            np.zeros((most + 1, size)),
+            np.zeros((most + 1, most)),
+            np.zeros((most, 2)),
+            np.zeros(most + 1),
+            np.zeros(shape),
+            np.zeros(shape),
+            np.zeros(each),
+            np.zeros(each),
+            np.zeros((stages + 1, 6)),
+            np.zeros(6 * places),
+            np.zeros(6 * places, dtype=complex),
+        )
+
+
+@part
+def _dot(a: Floats, b: Floats) -> float:
+    """Return the sum of products of two flat arrays, in eight sums, so that they go side by side."""
+    n = a.shape[0]
+    t0 = t1 = t2 = t3 = t4 = t5 = t6 = t7 = 0.0
+    whole = n - n % 8
+    for i in range(0, whole, 8):
+        t0 += a[i] * b[i]
+        t1 += a[i + 1] * b[i + 1]
+        t2 += a[i + 2] * b[i + 2]
+        t3 += a[i + 3] * b[i + 3]
+        t4 += a[i + 4] * b[i + 4]
+        t5 += a[i + 5] * b[i + 5]
+        t6 += a[i + 6] * b[i + 6]
+        t7 += a[i + 7] * b[i + 7]
+    for i in range(whole, n):
+        t0 += a[i] * b[i]
+    return ((t0 + t1) + (t2 + t3)) + ((t4 + t5) + (t6 + t7))
+
+
+@part
+def _apply(
+    system: StageSystem, y: Floats, twist: Floats, acceleration: Floats, scratch: Floats, out: Floats
+) -> None:
+    """Write the transpose of ``K p + C x + M a`` times ``y (s, N, 6)``, where twists follow the increments."""
+    for s in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            for i in range(6):
+                out[s, k, i] = 0.0
+        for k in range(twist.shape[1]):
+            for i in range(6):
+                twist[s, k, i] = acceleration[s, k, i] = 0.0
+    add_balances_transposed(
+        system.rows, system.columns, system.K, system.C, system.mass, y, out, twist, acceleration
+    )
+    for j in range(twist.shape[0]):
+        for i in range(twist.shape[0]):
+            rate = system.rates[i, j]
+            for k in range(twist.shape[1]):
+                for a in range(6):
+                    twist[j, k, a] += rate * acceleration[i, k, a]
+    follow_twists_transposed(system.rates, system.tangent, system.back, system.turning, twist, scratch, out)
+
+
+@part
+def _precondition(by: Preconditioner, weights: Floats, real: Floats, pair: Floats, out: Floats) -> None:
+    """Write the transposed solution with the matrices of the step for ``weights (3, N, 6)``."""
+    modes, stages = by.to_modes, by.to_stages
+    for k in range(weights.shape[1]):
+        for a in range(6):
+            at = 6 * k + a
+            scale = by.scales[at]
+            w0, w1, w2 = weights[0, k, a] * scale, weights[1, k, a] * scale, weights[2, k, a] * scale
+            real[at] = stages[0, 0] * w0 + stages[1, 0] * w1 + stages[2, 0] * w2
+            one = stages[0, 1] * w0 + stages[1, 1] * w1 + stages[2, 1] * w2
+            two = stages[0, 2] * w0 + stages[1, 2] * w1 + stages[2, 2] * w2
+            pair[at] = complex(one, -two)
+    values, fronts, vector, integers, rows, groups, members, rest = by.real_factors
+    substitute_transposed(values, fronts, vector, integers, rows, groups, members, rest, real)
+    its, its_fronts, its_vector, its_integers, rows, groups, members, its_rest = by.complex_factors
+    substitute_transposed(its, its_fronts, its_vector, its_integers, rows, groups, members, its_rest, pair)
+    for k in range(weights.shape[1]):
+        for a in range(6):
+            at = 6 * k + a
+            m0, both = real[at] * by.real_rows[at], pair[at] * by.complex_rows[at]
+            m1, m2 = both.real, -both.imag
+            for s in range(3):
+                out[s, k, a] = modes[0, s] * m0 + modes[1, s] * m1 + modes[2, s] * m2
+
+
+@kernel
+def solve_transposed(
+    system: StageSystem,
+    by: Preconditioner,
+    work: Workspace,
+    right: Floats,
+    left: float,
+    enough: float,
+    out: Floats,
+) -> int:
+    """Solve for ``out (3, N, 6)``, of the right side ``right``; return the iterations, or -1 if it was not solved.
+
+    Args:
+        left: part of the right side, after preconditioning, where the iteration ends; enough: that does at the end.
+    """
+    basis, H, goal, turns = work.basis, work.projected, work.goal, work.turns
+    most, n, places = H.shape[1], basis.shape[1], right.shape[1]
+    _precondition(by, right, work.one, work.pair, work.result)
+    at = 0
+    for s in range(3):
+        for k in range(places):
+            for a in range(6):
+                basis[0, at] = work.result[s, k, a] * by.units[a]
+                out[s, k, a] = 0.0
+                at += 1
+    size = math.sqrt(_dot(basis[0], basis[0]))
+    if size == 0.0:
+        return 0
+    for i in range(n):
+        basis[0, i] /= size
+    goal[0], count = size, 0
+    while abs(goal[count]) > left * size:
+        if count == most:
+            if abs(goal[count]) > enough * size:
+                return -1
+            break
+        at = 0
+        for s in range(3):
+            for k in range(places):
+                for a in range(6):
+                    work.vector[s, k, a] = basis[count, at] / by.units[a]
+                    at += 1
+        _apply(system, work.vector, work.twist, work.acceleration, work.scratch, work.result)
+        _precondition(by, work.result, work.one, work.pair, work.vector)
+        new = basis[count + 1]
+        at = 0
+        for s in range(3):
+            for k in range(places):
+                for a in range(6):
+                    new[at] = work.vector[s, k, a] * by.units[a]
+                    at += 1
+        for j in range(count + 1):
+            H[j, count] = 0.0
+        for _ in range(2):  # what one projection leaves, the second removes
+            for j in range(count + 1):
+                along = _dot(basis[j], new)
+                H[j, count] += along
+                for i in range(n):
+                    new[i] -= along * basis[j, i]
+        norm = math.sqrt(_dot(new, new))
+        for j in range(count):
+            c, s_ = turns[j, 0], turns[j, 1]
+            one, two = H[j, count], H[j + 1, count]
+            H[j, count], H[j + 1, count] = c * one + s_ * two, c * two - s_ * one
+        length = math.hypot(H[count, count], norm)
+        c, s_ = H[count, count] / length, norm / length
+        turns[count, 0], turns[count, 1] = c, s_
+        H[count, count] = length
+        goal[count], goal[count + 1] = c * goal[count], -s_ * goal[count]
+        count += 1
+        if norm <= 1e-15 * length:
+            break
+        for i in range(n):
+            new[i] /= norm
+    for j in range(count - 1, -1, -1):
+        for i in range(j + 1, count):
+            goal[j] -= H[j, i] * goal[i]
+        goal[j] /= H[j, j]
+    at = 0
+    for s in range(3):
+        for k in range(places):
+            for a in range(6):
+                total = 0.0
+                for j in range(count):
+                    total += goal[j] * basis[j, at]
+                out[s, k, a] = total / by.units[a]
+                at += 1
+    return count
