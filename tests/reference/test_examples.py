@@ -12,8 +12,8 @@ import pytest
 import viscorod as vr
 from helpers.measured_files import write_files
 from viscorod.analyses.case_run import run_case
+from viscorod.casefile.analysis_tables import ANALYSES
 from viscorod.casefile.case import load_case
-from viscorod.casefile.case_reader import ANALYSES
 from viscorod.casefile.shipped import shipped_cases
 from viscorod.solve.transient.integrators import INTEGRATORS
 

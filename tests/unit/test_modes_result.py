@@ -145,3 +145,4 @@ def test_what_was_assumed_of_the_damping_stands_beside_its_ratios():
     for sentence in rubber.assumptions:
         assert text.count(f"rods left, right: {sentence}") == 1
     assert re.search(r"loss modulus by \S+ %", text)
+    assert 'law = "maxwell" follows the table' in text  # what would help

@@ -37,6 +37,23 @@ def a_sweep():
     return Sweep([*members, SweepRun(6, {"a.stiffness": 9.0, "b": 9.0}, None, "it failed", "refused")])
 
 
+def test_values_with_units_are_numbers_in_the_picture_of_a_sweep():
+    """In the unit of the first; what all members share stands in no legend, and a missing number takes no place."""
+    rows = [("800 kPa", 1.0), ("1 MPa", 2.0), ("1.2 MPa", np.nan)]
+    members = [
+        SweepRun(k, {"modulus": modulus, "time": time, "duration": 4.0}, quantities={"tip": tip, "top": 1.0})
+        for k, (modulus, time, tip) in enumerate((m, t, tip) for t in ("10 ms", "20 ms") for m, tip in rows)
+    ]
+    axes = Sweep(members).plot().axes[0]
+    assert axes.get_xlabel() == "modulus [kPa]"
+    assert [line.get_label() for line in axes.lines] == ["time = 10 ms", "time = 20 ms"]
+    for line in axes.lines:
+        assert np.asarray(line.get_xdata(), dtype=float) == pytest.approx([800.0, 1000.0, 1200.0], rel=1e-12)
+        assert line.get_linestyle() == "-"
+    words = Sweep([SweepRun(k, {"a": a}, quantities={"tip": 1.0}) for k, a in enumerate(["1 of", "2 of"])])
+    assert words.plot().axes[0].get_xlabel() == "a"
+
+
 def drawings():
     """Pictures by name: a method, and what is drawn first into axes."""
     run, held, model = vr.Run(swing()), vr.Equilibrium(rolled_up()), beam()

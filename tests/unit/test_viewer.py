@@ -456,6 +456,18 @@ def test_others_beside_a_motion_have_their_values_at_its_times(tmp_path):
         viscorod.view(Equilibrium(synthetic_results.rolled_up()), tmp_path / "page.html", beside=[other])
 
 
+def test_others_beside_a_motion_may_be_named(tmp_path):
+    """By a table: two results of one case have one title."""
+    run = Run(synthetic_results.swing(duration=1.0))
+    named = {"before": run, "after": run}
+    text = viscorod.view(run, tmp_path / "page.html", beside=named).read_text(encoding="utf-8")
+    meta, _ = viewer_pages.parts(text)
+    assert [one["name"] for one in meta["ghosts"]] == ["before", "after"]
+    assert [one["name"] for one in meta["histories"][0]["others"]] == [
+        f"{axis}, {name}" for name in named for axis in "xyz"
+    ]
+
+
 def test_round_off_is_not_shown_as_data(page):
     data = synthetic_results.swing(duration=1.0)
     data["position"][..., 2] += 1e-17 * np.sin(np.arange(data.sizes["station"]))

@@ -406,3 +406,24 @@ def test_another_motion_is_drawn_beside_it(shown, tmp_path):
     legend = page.run("document.querySelector('#history-chart .u-legend').textContent")
     assert "y, A swing in closed form (2)" in legend
     assert page.errors == []
+
+
+def test_names_do_not_run_under_the_buttons_and_controls_keep_to_two_rows(shown):
+    """A result of a long name beside a motion of microseconds, whose speed is a long word."""
+    run = moving()
+    run.data["time"] = 1e-6 * run.data["time"]
+    page = shown(Run(run.data), beside={"out/of/a/folder/that/has/a/long/name/run.nc": Run(run.data)})
+    box = "((e) => { const b = e.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; })"
+    names = page.run(f"[...document.querySelectorAll('#legend span')].map({box})")
+    buttons = page.run(f"[...document.querySelectorAll('#look button')].map({box})")
+    assert len(names) > 3
+    for left, right, top, bottom in names:
+        for other_left, other_right, other_top, other_bottom in buttons:
+            apart = right <= other_left or other_right <= left or bottom <= other_top or other_bottom <= top
+            assert apart
+    (_, _, top, bottom), (_, _, play, _) = (
+        page.run(f"{box}(document.getElementById('{name}'))") for name in ("player", "play")
+    )
+    assert bottom - top < 50.0
+    assert play >= top
+    assert page.errors == []

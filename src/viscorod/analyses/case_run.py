@@ -9,18 +9,10 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from viscorod.analyses.buckling import buckling
 from viscorod.analyses.call_arguments import CallOptions, Progress
-from viscorod.analyses.campbell import campbell
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.equilibrium import equilibrium
-from viscorod.analyses.frequency_response import frequency_response, with_inputs
 from viscorod.analyses.model import Model
-from viscorod.analyses.modes import modes
-from viscorod.analyses.motion import motion
 from viscorod.analyses.one_thread import one_blas_thread
-from viscorod.analyses.path import equilibrium_path
-from viscorod.analyses.periodic import periodic
 from viscorod.analyses.refinement import (
     refined,
     refined_buckling,
@@ -29,8 +21,6 @@ from viscorod.analyses.refinement import (
     refined_periodic,
     refined_response,
 )
-from viscorod.analyses.stability import stability
-from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings
@@ -48,19 +38,52 @@ if TYPE_CHECKING:
 
 __all__ = ["as_model", "discretised_case", "run_case"]
 
-ANALYSES: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
-    SimulateSettings: partial(refined_motion, motion),
-    EquilibriumSettings: partial(refined, equilibrium),
-    PathSettings: partial(refined, equilibrium_path),
-    SteadySettings: partial(refined, steady_rotation),
-    ModesSettings: partial(refined_modes, modes),
-    BucklingSettings: partial(refined_buckling, buckling),
-    ResponseSettings: partial(refined_response, frequency_response),
-    CampbellSettings: campbell,
-    StabilitySettings: stability,
-    PeriodicSettings: partial(refined_periodic, periodic),
-}
-"""The analysis of each kind of settings, on a mesh that is fine enough for it."""
+
+def _analysis(kind: type) -> Callable[[DiscreteModel, Any], AnyResult]:
+    """Return the analysis of a kind of settings, on a mesh that is fine enough for it.
+
+    It is imported when it is asked for: a run starts sooner without the others.
+    """
+    if kind is SimulateSettings:
+        from viscorod.analyses.motion import motion
+
+        return partial(refined_motion, motion)
+    if kind is EquilibriumSettings:
+        from viscorod.analyses.equilibrium import equilibrium
+
+        return partial(refined, equilibrium)
+    if kind is PathSettings:
+        from viscorod.analyses.path import equilibrium_path
+
+        return partial(refined, equilibrium_path)
+    if kind is SteadySettings:
+        from viscorod.analyses.steady import steady_rotation
+
+        return partial(refined, steady_rotation)
+    if kind is ModesSettings:
+        from viscorod.analyses.modes import modes
+
+        return partial(refined_modes, modes)
+    if kind is BucklingSettings:
+        from viscorod.analyses.buckling import buckling
+
+        return partial(refined_buckling, buckling)
+    if kind is ResponseSettings:
+        from viscorod.analyses.frequency_response import frequency_response
+
+        return partial(refined_response, frequency_response)
+    if kind is CampbellSettings:
+        from viscorod.analyses.campbell import campbell
+
+        return campbell
+    if kind is StabilitySettings:
+        from viscorod.analyses.stability import stability
+
+        return stability
+    from viscorod.analyses.periodic import periodic
+
+    assert kind is PeriodicSettings
+    return partial(refined_periodic, periodic)
 
 
 def discretised_case(case: Case, options: CallOptions | None = None) -> DiscreteModel:
@@ -79,7 +102,11 @@ def discretised_case(case: Case, options: CallOptions | None = None) -> Discrete
     if case.source is not None:
         about["case_file"] = str(case.source)
     options = replace(options or CallOptions(), title=case.title, attributes=about)
-    described = with_inputs(case.description, case.settings)
+    described = case.description
+    if isinstance(case.settings, ResponseSettings | PeriodicSettings):
+        from viscorod.analyses.frequency_response import with_inputs
+
+        described = with_inputs(described, case.settings)
     return DiscreteModel.of(described, case.settings, options, validated=described is case.description)
 
 
@@ -123,7 +150,7 @@ def run_case(
         discrete = discrete.renewed(replace(discrete.options, **given), told)
     settings = case.settings
     with one_blas_thread():
-        return ANALYSES[type(settings)](discrete, settings)
+        return _analysis(type(settings))(discrete, settings)
 
 
 def as_model(description: ModelDescription) -> Model:

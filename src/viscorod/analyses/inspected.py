@@ -48,8 +48,8 @@ class Inspected(ModelDescription):
         Raises:
             InputError: a part is a Python function, which no file can hold, or there is no such analysis or setting.
         """
+        from viscorod.casefile.analysis_tables import ANALYSES
         from viscorod.casefile.case import parse_case
-        from viscorod.casefile.case_reader import ANALYSES
         from viscorod.casefile.toml_text import toml_text
         from viscorod.whole_files import replacing
         from viscorod.wording import did_you_mean

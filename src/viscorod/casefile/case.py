@@ -9,7 +9,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, TypeVar
 
-from viscorod.casefile.case_reader import ANALYSES, CaseReader
+from viscorod.casefile.analysis_tables import ANALYSES
+from viscorod.casefile.case_reader import CaseReader
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.shipped import shipped_cases
 from viscorod.casefile.sizes import size_problems, too_deep

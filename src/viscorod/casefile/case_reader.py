@@ -10,18 +10,12 @@ from typing import Any, TypeVar
 
 from pydantic import ValidationError
 
+from viscorod.casefile.analysis_tables import ANALYSES, analyses_in_words
 from viscorod.casefile.known_parts import KnownParts
+from viscorod.casefile.list_entries import ENTRIES
 from viscorod.errors import Fault, InputError, join_path
-from viscorod.model.actions.initial_strain import InitialStrain
-from viscorod.model.actions.initial_velocity import InitialVelocity
-from viscorod.model.actions.load import load
-from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.bodies.body import one_body
 from viscorod.model.bodies.body_base import AnyBody
-from viscorod.model.connections.joint import joint
-from viscorod.model.connections.rigid_attachment import Attachment
-from viscorod.model.connections.spring import spring
-from viscorod.model.connections.support import support
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import (
     FaultyValue,
@@ -40,34 +34,11 @@ from viscorod.model.sections.section_profile import Piecewise
 from viscorod.model.sections.section_stations import Stations
 from viscorod.model.sections.taper import Taper
 from viscorod.solve.settings.analysis import AnySettings
-from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
-from viscorod.solve.settings.modes import ModesSettings
-from viscorod.solve.settings.motion import SimulateSettings
-from viscorod.solve.settings.periodic import PeriodicSettings
-from viscorod.solve.settings.response import ResponseSettings
-from viscorod.solve.settings.stability import StabilitySettings
-from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
-from viscorod.solve.settings.steady import SteadySettings
 from viscorod.wording import nearest_key
 
-__all__ = ["ANALYSES", "CaseReader"]
+__all__ = ["CaseReader"]
 
 T = TypeVar("T")
-
-ANALYSES: dict[str, type[AnySettings]] = {
-    "simulate": SimulateSettings,
-    "equilibrium": EquilibriumSettings,
-    "path": PathSettings,
-    "steady": SteadySettings,
-    "modes": ModesSettings,
-    "response": ResponseSettings,
-    "buckling": BucklingSettings,
-    "campbell": CampbellSettings,
-    "stability": StabilitySettings,
-    "periodic": PeriodicSettings,
-}
-"""The analyses by their table in a case file; exactly one of them stands in a file."""
 
 TABLES = ("materials", "sections", "rods", "bodies")
 LISTS = ("supports", "loads", "attachments", "joints", "springs", "velocities", "strains", "rest_strains")
@@ -195,7 +166,7 @@ class CaseReader:
                 given[0] if given else "simulate",
                 f"the tables {' and '.join(given)}" if given else "",
                 "a case asks for exactly one analysis",
-                f"give one table: {_analyses()}",
+                f"give one table: {analyses_in_words()}",
             )
         for key in given:
             parsed = self._parsed(key, ANALYSES[key].model_validate, self.data[key])
@@ -323,13 +294,6 @@ class CaseReader:
         return {key: self._section_named(item) if key in keys else item for key, item in value.items()}
 
 
-def _analyses() -> str:
-    """Return the tables of all analyses, with what stands in them at least."""
-    known = ((word, settings.needs) for word, settings in ANALYSES.items())
-    *some, last = [f"[{word}] with {needs}" if needs else f"[{word}]" for word, needs in known]
-    return f"{'; '.join(some)}; or {last}"
-
-
 def read_part(table: str, name: str, content: Any) -> Any:
     """Return a rod, body, material or section from its table in a case file.
 
@@ -367,19 +331,6 @@ def read_entry(table: str, index: int, content: Any) -> Any:
     if reader.problems:
         raise InputError(reader.problems)
     return found
-
-
-ENTRIES: dict[str, Callable[[Any], Any]] = {
-    "supports": support,
-    "loads": load,
-    "attachments": Attachment.model_validate,
-    "joints": joint,
-    "springs": spring,
-    "velocities": InitialVelocity.model_validate,
-    "strains": InitialStrain.model_validate,
-    "rest_strains": RestStrain.model_validate,
-}
-"""How the entries of each list are read."""
 
 
 _CENTRELINE = choose("shape", CENTRELINES)

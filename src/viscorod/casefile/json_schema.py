@@ -8,7 +8,8 @@ from functools import cache
 
 from pydantic.fields import FieldInfo
 
-from viscorod.casefile.case_reader import ANALYSES, ROD_KEYS
+from viscorod.casefile.analysis_tables import ANALYSES
+from viscorod.casefile.case_reader import ROD_KEYS
 from viscorod.model.actions.event import EVENTS
 from viscorod.model.actions.initial_strain import InitialStrain
 from viscorod.model.actions.initial_velocity import InitialVelocity

@@ -101,8 +101,8 @@ def case_for(kind: str, path: Path) -> Case:
     Raises:
         InputError: no such file, something in it is wrong, or it asks for another analysis.
     """
+    from viscorod.casefile.analysis_tables import ANALYSES
     from viscorod.casefile.case import load_case
-    from viscorod.casefile.case_reader import ANALYSES
 
     case = load_case(existing(path))
     if case.kind != kind:

@@ -8,7 +8,8 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from viscorod.casefile.case_keys import parts_of, put
-from viscorod.casefile.case_reader import ENTRIES, SETTINGS, TABLES, read_entry, read_part
+from viscorod.casefile.case_reader import SETTINGS, TABLES, read_entry, read_part
+from viscorod.casefile.list_entries import ENTRIES
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import Definition, did_you_mean, plain_value, show, some_of

@@ -45,6 +45,8 @@ from viscorod.typing import Floats
 __all__ = ["ComplexModuli", "ModulusTable"]
 
 MOST_ROWS = 100_000
+FAR = 20.0
+"""Errors of moduli beyond which one retardation time is too little, %."""
 OCTAVE = 2.0
 """Ratio of the frequencies that make the low-frequency fit: the lowest and those up to twice as high."""
 
@@ -313,6 +315,8 @@ class ComplexModuli(ModulusTable, Damping):
             f"{name} in {strain}, fitted from {omega[0] / (2.0 * math.pi):.4g}{rows} Hz: there the storage modulus is "
             f"wrong by {storage:.2g} % at most and the loss modulus by {loss:.2g} %"
         ]
+        if isinstance(fit, Viscous) and max(storage, loss) > FAR:
+            known[0] += '; law = "maxwell" follows the table'
         mine = found.youngs_modulus if strain == "extension" else found.shear_modulus
         word = "Young's modulus" if strain == "extension" else "the shear modulus"
         if isinstance(fit, Viscous) and not math.isnan(given.youngs_modulus):

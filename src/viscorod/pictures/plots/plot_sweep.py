@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -22,6 +24,7 @@ from viscorod.pictures.style import (
     legend_above,
 )
 from viscorod.results.sweep_figures import FIGURES, shown
+from viscorod.units import si_of
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -35,6 +38,8 @@ __all__ = ["draw_sweep"]
 COLOURS = (BLUE, ORANGE, GREEN, RED, PURPLE, SKY)
 MOST = 4
 """Numbers in one picture."""
+_QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*)$")
+"""A number and a unit."""
 MOST_LINES = 6
 """Values of the other parameters that have a line each."""
 
@@ -54,11 +59,13 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
     table = table[table["outcome"] == "completed"]
     if not len(table):
         raise InputError("no member of this sweep was computed to its end; its report says why")
+    table, units = _in_numbers(table, sweep.parameters)
     listed = [key for key in sweep.parameters if table[key].dtype.kind not in "biuf"]
     table = table.assign(
         **{key: [_text(one) for one in table[key]] for key in listed}
     )  # a list sorts into no group
-    varied = [key for key in sweep.parameters if table[key].nunique() > 1]
+    # what all members share needs no line and no word
+    varied = [key for key in sweep.parameters if table[key].nunique(dropna=False) > 1]
     x = _one_of("x", x, sweep.parameters) if x is not None or not varied else varied[0]
     known = _numbers(sweep, table)
     asked = [one for one in known if one in sweep.quantities]
@@ -71,13 +78,40 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         names, picture, panels = names[:1], within(ax), [ax]
     others = [key for key in varied if key != x]
     for axes, number in zip(panels, names, strict=True):
-        _draw(axes, table, x, number, others, legend=axes is panels[0])
+        _draw(axes, table, x, number, others, units, legend=axes is panels[0])
     return picture if ax is None else within(panels[0])
 
 
-def _draw(axes: Axes, table: pd.DataFrame, x: str, name: str, others: list[str], *, legend: bool) -> None:
+def _in_numbers(table: pd.DataFrame, parameters: Sequence[str]) -> tuple[pd.DataFrame, dict[str, str]]:
+    """Return the table with quantities such as "0.8 MPa" as numbers in the unit of the first, and the units by key."""
+    units: dict[str, str] = {}
+    for key in parameters:
+        found = [_QUANTITY.match(one) if isinstance(one, str) else None for one in table[key]]
+        if not all(found):
+            continue
+        parts = [(float(one[1]), one[2].strip()) for one in found if one is not None]
+        unit = parts[0][1]
+        try:
+            size = si_of(unit)
+            numbers = [value if given == unit else value * si_of(given) / size for value, given in parts]
+        except InputError:  # they are other words
+            continue
+        table, units[key] = table.assign(**{key: numbers}), unit
+    return table, units
+
+
+def _draw(
+    axes: Axes,
+    table: pd.DataFrame,
+    x: str,
+    name: str,
+    others: list[str],
+    units: Mapping[str, str],
+    *,
+    legend: bool,
+) -> None:
     heading = FIGURES[name].heading if name in FIGURES else name
-    clean(axes, x, heading)
+    clean(axes, f"{x} [{units[x]}]" if x in units else x, heading)
     groups: list[tuple[Any, pd.DataFrame]] = (
         list(table.groupby(others, sort=False)) if others else [((), table)]
     )
@@ -85,7 +119,10 @@ def _draw(axes: Axes, table: pd.DataFrame, x: str, name: str, others: list[str],
         axes.plot(*_column(table, x, name), "o", color=BLUE, markersize=4.0)
         return
     for k, (values, rows) in enumerate(groups):
-        label = ", ".join(f"{_short(key)} = {_text(one)}" for key, one in zip(others, values, strict=True))
+        label = ", ".join(
+            f"{_short(key)} = {_text(one)} {units.get(key, '')}".rstrip()
+            for key, one in zip(others, values, strict=True)
+        )
         line = "-" if rows[x].dtype.kind in "fiu" else "none"
         at, number = _column(rows.sort_values(x) if line == "-" else rows, x, name)
         axes.plot(
