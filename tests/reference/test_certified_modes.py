@@ -434,3 +434,37 @@ def test_a_string_with_a_damper_near_its_end():
     assert found.frequencies[:2] == pytest.approx(frequencies, rel=3e-4)
     assert found.damping_ratios[:2] == pytest.approx([0.0, b.imag / abs(b)], rel=0.01, abs=1e-12)
     assert b.imag / abs(b) == pytest.approx(0.5 * a / L, rel=0.03)
+
+
+def test_a_body_that_hangs_loose_on_a_loaded_rod_turns_freely():
+    """Three free turns, by geometry, and the vibrations of a cantilever with a mass at its end, also under a load.
+
+    ``1 + cos b cosh b = (M/m L) b (sin b cosh b - cos b sinh b)``; ``M`` is the mass of the body along the line from
+    the joint to its centre, and across it ``m/(1 + m d^2/I)``, since a push there turns it away.
+    """
+    E, rho, r, L, m, d = 1e7, 1000.0, 0.01, 0.5, 0.05, 0.1
+    material = vr.Material(E, 0.3, rho, damping=vr.KelvinVoigt(0.002, 0.002))
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (L, 0, 0), section=vr.Circle(r), material=material))
+    model.clamp("rod.start")
+    model.force("rod.end", (0, 1e-4, 1e-4))
+    model.add("bob", vr.Sphere(radius=0.02, centre=(L, 0, -d), mass=m))
+    model.ball("rod.end", "bob")
+    found = model.modes(5)
+    assert found.rigid == 3
+    line = rho * np.pi * r**2
+
+    def frequency(mass):
+        part = mass / (line * L)
+        b = brentq(
+            lambda b: (
+                1 + np.cos(b) * np.cosh(b) - part * b * (np.sin(b) * np.cosh(b) - np.cos(b) * np.sinh(b))
+            ),
+            0.1,
+            1.8751,
+        )
+        return b**2 / L**2 * np.sqrt(E * np.pi * r**4 / 4 / line) / (2 * np.pi)
+
+    inertia = 0.4 * m * 0.02**2
+    expected = [frequency(m), frequency(m / (1.0 + m * d**2 / inertia))]
+    assert found.frequencies[3:] == pytest.approx(expected, rel=2e-3)

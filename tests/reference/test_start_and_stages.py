@@ -127,7 +127,7 @@ def test_equilibrium_from_a_motion_by_object_file_and_time(tmp_path) -> None:
         (file, 0.02),
         {"file": str(file), "time": 0.02},
     ]
-    for start in [*starts, vr.Start(str(file), 0.02)]:
+    for start in [*starts, vr.Start(str(file), 0.02), vr.Start(file, 0.02)]:
         found = model.equilibrium(start=start)
         assert found.position("beam.end") == pytest.approx(wanted, abs=1e-10)
     assert found.found_by == f"1 load step from {file} at t = 0.02 s"
@@ -177,7 +177,7 @@ def test_motion_goes_on_from_a_stored_time() -> None:
     )
     assert again.energy.kinetic[0] == pytest.approx(whole.energy.kinetic[5], rel=1e-6)
     assert again.energy.elastic[-1] == pytest.approx(whole.energy.elastic[-1], rel=1e-4)
-    still = model.simulate(0.02, start=vr.Start(result=whole, time=0.05, at_rest=True))
+    still = model.simulate(0.02, start=vr.Start(whole, time=0.05, at_rest=True))
     assert still.energy.kinetic[0] == 0.0
     assert "Started from a simulate result at t = 0.05 s" in flat(again.report())
 

@@ -35,6 +35,16 @@ class Start(Definition):
     at_rest: Flag = Key("whether the velocities of the state are left out", default=False)
     result: Annotated[Any, Accepts(None, "", "a result")] = Key("instead of its file", default=None)
 
+    @model_validator(mode="before")
+    @classmethod
+    def _told_by_what_it_is(cls, data: Any) -> Any:
+        """Take a result, or a path, for what it is where it stands in the place of the file."""
+        if isinstance(data, Mapping) and data.get("result") is None:
+            given = data.get("file")
+            if isinstance(given, PathLike) or _is_result(given):
+                return {key: value for key, value in data.items() if key != "file"} | _source(given)
+        return data
+
     @model_validator(mode="after")
     def _one_source(self) -> Self:
         if (self.file is None) == (self.result is None):
@@ -78,10 +88,14 @@ def as_start(value: Any) -> Start | None:
     return Start.model_validate(_source(value))
 
 
+def _is_result(value: Any) -> bool:
+    return hasattr(value, "sites") and hasattr(value, "dimension")
+
+
 def _source(value: Any) -> dict[str, Any]:
     if isinstance(value, str | PathLike):
         return {"file": str(file_path("file", value))}
-    if not (hasattr(value, "sites") and hasattr(value, "dimension")):
+    if not _is_result(value):
         raise RefusedError(
             "this is no result",
             "give a result, such as that of simulate, its file, or either with a time: (run, 1.5)",

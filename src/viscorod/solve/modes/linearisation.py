@@ -190,7 +190,8 @@ def _apart(
     basis, size = whole.basis, whole.mass.shape[0]
     C = _coordinates(basis, parts.increments)
     unit = np.abs(C).max(axis=0)
-    C /= unit
+    # what a motion does not move would be taken for resisted by the loads there
+    C = _moving(C / unit)
     weights = unresisted(remainder, C)
     rigid, k = weights.shape[1], C.shape[1]
     motions = parts.combined(weights / unit[:, None]) if rigid else []
@@ -199,7 +200,7 @@ def _apart(
         around, _ = scipy.linalg.qr(weights)
         C = np.hstack([free / np.abs(free).max(axis=0), C @ around[:, rigid:]])
     # what is on the axis of a rotation does not move: a damper there would resist the rounding of zero
-    C = np.where(np.abs(C) > STILL * np.abs(C).max(axis=0), C, 0.0)
+    C = _moving(C)
     _, _, places = scipy.linalg.qr(C.T, mode="economic", pivoting=True)
     others = np.setdiff1d(np.arange(size), places[:k])
     ones = np.ones(size - k), (others, np.arange(size - k))
@@ -231,6 +232,11 @@ def _apart(
         None if whole.work is None else whole.work.within(T),
         None if whole.loss is None else whole.loss.within(T),
     )
+
+
+def _moving(motions: Floats) -> Floats:
+    """Return motions (columns) without the round-off of what does not move in them."""
+    return np.where(np.abs(motions) > STILL * np.abs(motions).max(axis=0), motions, 0.0)
 
 
 def _like(wanted: Floats, found: Floats, size: Floats) -> Floats:
