@@ -206,10 +206,12 @@ def _indexed(
 def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:
     """Return the index of a dimension, and its coordinate."""
     import pandas as pd
-    import xarray as xr
+    from xarray.indexes import (
+        PandasIndex,  # a module that early versions of xarray do not import by themselves
+    )
 
     # of an array xarray would look whether it is one of Pint's, and import that
-    index = xr.indexes.PandasIndex(pd.Index(values), name, coord_dtype=values.dtype)
+    index = PandasIndex(pd.Index(values), name, coord_dtype=values.dtype)
     return index, index.create_variables()[name]
 
 
