@@ -37,6 +37,8 @@ SHARE = 0.5
 """Part of the accuracy beyond which an element is too large."""
 ANCHOR = 0.01
 """Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
+STILL = 1e-3
+"""Part of the displacements at the start of a motion below which it hardly moves."""
 INSTANTS = 6
 """Points of a path, about evenly chosen, and states of a motion that are looked at."""
 GROWTH, NEAR = 1.5, 0.85
@@ -172,7 +174,8 @@ class MeshWatch:
             return
         noted = self._chosen(last)
         times = [t for t, _ in noted]
-        rates = self._compare_moving(noted, before=True, anchor=(np.pi / last[0]) ** 2)
+        anchor, still = (np.pi / last[0]) ** 2, self._still(noted)
+        rates = self._compare_moving(noted, before=True, anchor=anchor, still=still)
         if self.start is not None:
             drift = self.phases(static, self.start, scale, modes)
             self._drift(drift, times, rates, drift.kicked(self.start.state.twist, self._begins()))
@@ -220,6 +223,20 @@ class MeshWatch:
                 drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
             )
 
+    def _still(self, noted: list[tuple[float, Snapshot]]) -> bool:
+        """Return whether a motion that begins at rest, in a strained shape, hardly leaves it.
+
+        On a finer mesh it would begin at another equilibrium: inertia does not hold it where this one is.
+        """
+        if self.start is None or self.start.state.twist.any():
+            return False
+        r = self.start.state.r
+        strained = float(np.abs(r - self.problem.positions).max())
+        return (
+            all(np.abs(snapshot.state.r - r).max() <= STILL * strained for _, snapshot in noted)
+            and strained > 0.0
+        )
+
     def _chosen(self, last: tuple[float, Snapshot]) -> list[tuple[float, Snapshot]]:
         """Return the noted states that are looked at, with the last one."""
         if self.noted and last[0] <= self.noted[-1][0]:
@@ -238,9 +255,11 @@ class MeshWatch:
             self._compare_moving([(0.0, rotation)], before=False, anchor=1e-4 * spin**2)
 
     def _compare_moving(
-        self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float
+        self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float, still: bool = False
     ) -> list[Floats]:
         """Compare states whose inertial forces are those that the coarse mesh leaves unbalanced, at their times [s].
+
+        Inertia holds errors of those that are ``still`` only where nothing else does, as a body that turns freely.
 
         Returns:
             the rates of the twists of all nodes ``(n, 6)``, of every state.
@@ -260,8 +279,11 @@ class MeshWatch:
         for k, (t, snapshot) in enumerate(noted):
             finer.set_prestress(prestress[k])
             resisting = self._resisting(rates[k], snapshot.state.twist, anchor)
-            balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=resisting)
-            found.append(self._counterpart(balance, carried, k))
+            other = None
+            for anchored in [0.0, resisting] if still else [resisting]:
+                balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=anchored)
+                other = other or self._counterpart(balance, carried, k)
+            found.append(other)
         there = [k for k, other in enumerate(found) if other is not None]
         self.found, self.lost = self.found + len(there), self.lost + len(found) - len(there)
         if there:
