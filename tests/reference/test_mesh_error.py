@@ -413,3 +413,24 @@ def test_a_shaft_that_spins_about_its_line_has_no_coarse_mesh():
     run = model.simulate(0.03)
     assert np.abs(run.history("shaft@0.5", "displacement")).max() < 1e-6
     assert not any("positions may be off" in text for text in run.warnings)
+
+
+@pytest.mark.parametrize("pushed", [0.0, 1e-5])
+def test_a_model_that_stays_at_rest_errs_as_its_equilibrium_does(pushed) -> None:
+    """What does not move is an equilibrium: inertia holds no error there, however short the run is."""
+    model = vr.Model()
+    rubber = vr.Material(1e7, 0.3, 1000.0, damping=vr.KelvinVoigt(0.002, 0.002))
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.5, 0, 0), section=vr.Circle(0.01), material=rubber, elements=2, order=4
+    )
+    model.add("rod", rod)
+    model.clamp("rod.start")
+    model.gravity()
+    model.force("rod.end", (-0.05, 0, 0.01))
+    if pushed:
+        model.force("rod.end", (0, 0, pushed), until=0.0)
+    held, run = model.equilibrium(), model.simulate(0.02)
+    error = run.data.attrs["mesh_force_error"]
+    assert error == pytest.approx(held.data.attrs["mesh_force_error"], rel=0.1)
+    assert error < 0.01
+    assert not [text for text in run.warnings if "mesh" in text]

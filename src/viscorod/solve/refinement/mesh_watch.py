@@ -33,6 +33,8 @@ MOST_NODES = 20_000
 """Nodes of a problem beyond which no finer mesh is made."""
 ANCHOR = 0.01
 """Part of the squared rate of a motion by which inertia resists errors, which change about as fast as it does."""
+STILL = 1e-3
+"""Part of the displacements at the start of a motion below which it hardly moves."""
 INSTANTS = 6
 """Points of a path, about evenly chosen, that are looked at."""
 
@@ -129,8 +131,9 @@ class MeshWatch:
             return
         noted = self.noted.with_last(last)
         times = [t for t, _ in noted]
-        rates = self._compare_moving(noted, before=True, anchor=(np.pi / last[0]) ** 2)
-        start = self.noted.start
+        start, anchor = self.noted.start, (np.pi / last[0]) ** 2
+        still = start is not None and self._still(start, noted)
+        rates = self._compare_moving(noted, before=True, anchor=anchor, still=still)
         if start is not None:
             drift = self.phases(static, start, scale, modes)
             self._drift(drift, times, rates, drift.kicked(start.state.twist, self._begins(start)))
@@ -179,6 +182,18 @@ class MeshWatch:
                 drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
             )
 
+    def _still(self, start: Snapshot, noted: list[tuple[float, Snapshot]]) -> bool:
+        """Return whether a motion that begins at rest, in a strained shape, hardly leaves it.
+
+        On a finer mesh it would begin at another equilibrium: inertia does not hold it where this one is.
+        """
+        if start.state.twist.any():
+            return False
+        r = start.state.r
+        strained = float(np.abs(r - self.problem.positions).max())
+        near = all(np.abs(snapshot.state.r - r).max() <= STILL * strained for _, snapshot in noted)
+        return near and strained > 0.0
+
     def _begins(self, start: Snapshot) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
         stress = self._moving.other_stress(start.state, start.section_force, 0.0, before=False)
@@ -190,9 +205,11 @@ class MeshWatch:
             self._compare_moving([(0.0, rotation)], before=False, anchor=1e-4 * spin**2)
 
     def _compare_moving(
-        self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float
+        self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float, still: bool = False
     ) -> list[Floats]:
         """Compare states whose inertial forces are those that the coarse mesh leaves unbalanced, at their times [s].
+
+        Inertia holds errors of those that are ``still`` only where nothing else does, as a body that turns freely.
 
         Returns:
             the rates of the twists of all nodes ``(n, 6)``, of every state.
@@ -212,8 +229,11 @@ class MeshWatch:
         for k, (t, snapshot) in enumerate(noted):
             finer.set_prestress(prestress[k])
             resisting = self._resisting(rates[k], snapshot.state.twist, anchor)
-            balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=resisting)
-            found.append(self._counterpart(balance, carried, k))
+            other = None
+            for anchored in [0.0, resisting] if still else [resisting]:
+                balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=anchored)
+                other = other or self._counterpart(balance, carried, k)
+            found.append(other)
         there = [k for k, other in enumerate(found) if other is not None]
         self.found, self.lost = self.found + len(there), self.lost + len(found) - len(there)
         if there:
