@@ -7,7 +7,7 @@ import pytest
 from scipy.linalg import expm
 
 from helpers.kernel_parts import from_python
-from viscorod.mechanics.compilation import known_types
+from viscorod.mechanics.compilation import shared
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.exponential_map import versine_coefficients, versine_slopes
 from viscorod.mechanics.rotations.nodal_motion import (
@@ -233,8 +233,11 @@ def test_kernels_are_called_with_types_that_are_known():
             assert known.call(r0, q0, r, q, twist, length) == motion_extent(r0, q0, r, q, twist, length)
 
 
-def test_types_are_told_apart_as_numba_does():
+@pytest.mark.parametrize("numbers", ["of Numba", "none"])
+def test_types_are_told_apart_as_numba_does(numbers, monkeypatch):
     """Kinds, dimensions, layouts, arrays that may not be written, in bundles too, with Numba's numbers or without."""
+    if numbers == "none":
+        monkeypatch.setattr(shared, "_fingerprint", shared._unknown)
     array = np.zeros((2, 3))
     frozen = array.copy()
     frozen.flags.writeable = False
@@ -252,6 +255,6 @@ def test_types_are_told_apart_as_numba_does():
         True,
     ]
     kinds = [*[(value,) for value in single], (one,), (other,), (one, 1.0)]
-    for found in (known_types._fingerprint, known_types._kinds):
-        assert len({found(arguments) for arguments in kinds}) == len(kinds)
-        assert found((array, one)) == found((np.ones((5, 2)), one))
+    found = shared.kinds_of
+    assert len({found(arguments) for arguments in kinds}) == len(kinds)
+    assert found((array, one)) == found((np.ones((5, 2)), one))

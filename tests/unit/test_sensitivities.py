@@ -336,7 +336,7 @@ def test_steps_are_gone_through_again_bit_for_bit(motion):
     method = integrator(make())
     steps, seen = RecordedSteps(method, every=4), []
     problem = method.system.problem
-    run = Transient(problem, steps, ErrorControl(method.estimate_order, largest=0.02, duration=0.2), str)
+    run = Transient(problem, steps, ErrorControl(method.estimate_order, largest=0.02, duration=0.2))
     run.run(State.reference(problem), 0.2, after_step=lambda: seen.append(method.state.copy()) or "")
     again = [
         steps.integrator.state.r.copy() for stretch in range(steps.stretches) for _ in steps.again(stretch)

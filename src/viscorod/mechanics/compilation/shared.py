@@ -36,7 +36,14 @@ _native: Any = NativeValue
 _is_not_null: Any = cgutils.is_not_null
 _typeof_of: Any = typeof_impl.register
 _unbox: Any = unbox
-_fingerprint: Any = _dispatcher.compute_fingerprint
+
+
+def _unknown(_value: Any) -> Any:
+    """Stand in for Numba's numbers where a version has none."""
+    raise NotImplementedError
+
+
+_fingerprint: Any = getattr(_dispatcher, "compute_fingerprint", _unknown)
 _numbers = itertools.count()
 _types: dict[Any, tuple[Any, int]] = {}
 """Numba's types of bundles and their numbers, by kinds: it takes milliseconds to find a type, and long to hash it."""

@@ -11,7 +11,7 @@ import math
 from abc import abstractmethod
 from collections.abc import Callable, Sequence
 from functools import cached_property
-from typing import ClassVar, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 
@@ -25,6 +25,8 @@ __all__ = ["VERTICAL", "Centreline", "Twist", "cross", "start_axis"]
 Twist: TypeAlias = float | Callable[[float], float]
 """Total angle from start to end, or the angle as a function of the arc length; rad."""
 
+FEW, MOST_KNOWN = 80, 32
+"""Stations whose frames are kept, and how often."""
 VERTICAL = 0.999999
 """Beyond this cosine to global z a tangent counts as vertical for the default section axes."""
 
@@ -67,6 +69,22 @@ class Centreline(Definition):
             RefusedError: d1 is parallel to the tangent at the start.
         """
         stations = np.atleast_1d(np.asarray(s, dtype=np.float64))
+        if callable(twist) or stations.size > FEW:
+            return self._frames(stations, d1, twist)
+        key = stations.tobytes(), None if d1 is None else tuple(map(float, d1)), float(twist)
+        found = self._known_frames.get(key)
+        if found is None:
+            if len(self._known_frames) >= MOST_KNOWN:
+                self._known_frames.clear()
+            found = self._known_frames[key] = self._frames(stations, d1, twist)
+        return found[0].copy(), found[1].copy()
+
+    @cached_property
+    def _known_frames(self) -> dict[Any, tuple[Floats, Floats]]:
+        """Positions and frames that were asked for: those of ends, supports and nodes are asked for many times."""
+        return {}
+
+    def _frames(self, stations: Floats, d1: Sequence[float] | None, twist: Twist) -> tuple[Floats, Floats]:
         position, natural = self.bishop(stations)
         angle = self._start_angle(d1) + self.twisted(stations, twist)
         c, sine = np.cos(angle)[:, None], np.sin(angle)[:, None]

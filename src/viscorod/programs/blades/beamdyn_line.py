@@ -165,12 +165,12 @@ class BladeTwist:
         return float(np.arctan2(axis @ natural[:, 1], axis @ natural[:, 0]))
 
 
-@checked_with(rod=of_class(Rod), stations=numbers)
 def starts_along_z(rod: Rod) -> bool:
     """Return whether a rod leaves its root towards +Z, as BeamDyn's blades do."""
     return bool(rod.frames([0.0])[1][0, 2, 2] >= _ALONG)
 
 
+@checked_with(rod=of_class(Rod), stations=numbers)
 def key_points(rod: Rod, stations: Sequence[float] | Floats) -> Floats:
     """Return key points and initial twist (n, 4), m and degrees, of a rod at fractions of its length.
 
