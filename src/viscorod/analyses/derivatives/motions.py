@@ -47,8 +47,9 @@ UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
 LEAST, WANTED, MOST = 3e-6, 1e-5, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
-LARGEST = 5e-4
-"""Change of a number, as a part of it, that hardly matters."""
+LARGEST, FARTHEST = 5e-4, 1e-2
+"""Change of a number, as a part of it: up to the first two neighbours do; one that hardly matters has four, up to the
+second, since round-off of motions that differ less is more than what the scheme leaves."""
 WEAK, WEAKER = ("damping", "inertia"), 10.0
 """Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
 OPEN = 1e-9
@@ -76,9 +77,11 @@ def motion_derivatives(
         few, moved = at_first[k], _moved(kept, discrete.problem.length)
         if few is None or LEAST <= moved <= MOST:
             continue
-        other = min(few * WANTED / max(moved, 1e-30), LARGEST)
-        if abs(other - few) > ALIKE * few:
-            again[k] = Neighbours.of(model, neighbours.number.key, discrete, other)
+        key, other = neighbours.number.key, few * WANTED / max(moved, 1e-30)
+        if other > LARGEST:
+            again[k] = Neighbours.of(model, key, discrete, many=min(other, FARTHEST))
+        elif abs(other - few) > ALIKE * few:
+            again[k] = Neighbours.of(model, key, discrete, other)
     for k, kept in zip(again, _histories(list(again.values()), settings, start, run), strict=True):
         every[k], histories[k] = again[k], kept
     return {

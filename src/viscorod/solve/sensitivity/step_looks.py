@@ -6,9 +6,24 @@ from typing import NamedTuple
 
 import numpy as np
 
-from viscorod.mechanics.compilation.compiled import kernel
+from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate_poses
 from viscorod.mechanics.rotations.rotation import retract
+from viscorod.mechanics.rotations.vectors import (
+    Quaternion,
+    conjugate,
+    difference,
+    dot,
+    plus4,
+    product,
+    put,
+    put4,
+    quaternion,
+    rotated_back,
+    stage_quaternion,
+    stage_vector,
+    vector,
+)
 from viscorod.typing import Floats
 
 __all__ = ["OneNode", "look_within"]
@@ -38,6 +53,44 @@ class OneNode(NamedTuple):
         return cls(start, end, np.zeros((1, 6)), np.zeros(1), r, q, twist, np.zeros((10, 6)))
 
 
+@part
+def _copy_node(ends: MovingPoses, m: int, out: MovingPoses) -> None:
+    """Copy how node ``m`` moves."""
+    put(out.r, 0, 0, vector(ends.r, m, 0))
+    put4(out.q, 0, quaternion(ends.q, m))
+    for at in (0, 3):
+        put(out.twist, 0, at, vector(ends.twist, m, at))
+        put(out.rate, 0, at, vector(ends.rate, m, at))
+
+
+@part
+def _change(end: MovingPoses, increment: Floats, field: int, component: int, size: float) -> None:
+    """Change a component of the pose (0), the twist (1) or its rate (2) of the one node."""
+    if field == 0:
+        for i in range(6):
+            increment[0, i] = size if i == component else 0.0
+        retract(end.r, end.q, increment, end.r, end.q)
+    elif field == 1:
+        end.twist[0, component] += size
+    else:
+        end.rate[0, component] += size
+
+
+@part
+def _seen(one: OneNode, k: int, q: Quaternion, by_pose: Floats, by_twist: Floats, m: int) -> float:
+    """Return what a scalar sees of the difference of both states of node ``m`` at place ``k``."""
+    moved = difference(stage_vector(one.r[0], k, 0, 0), stage_vector(one.r[1], k, 0, 0))
+    turned = product(
+        conjugate(q), plus4(stage_quaternion(one.q[0], k, 0), -1.0, stage_quaternion(one.q[1], k, 0))
+    )
+    total = dot(stage_vector(by_pose, k, m, 0), rotated_back(q, moved))
+    total += 2.0 * dot(stage_vector(by_pose, k, m, 3), turned[1])
+    for at in (0, 3):
+        moves = difference(stage_vector(one.twist[0], k, 0, at), stage_vector(one.twist[1], k, 0, at))
+        total += dot(stage_vector(by_twist, k, m, at), moves)
+    return total
+
+
 @kernel
 def look_within(
     parts: Floats,
@@ -65,66 +118,15 @@ def look_within(
     for m in range(split.shape[0]):
         one.split[0] = split[m]
         for c in range(36):
-            last, field, component = c >= 18, (c % 18) // 6, c % 6
+            field, component = (c % 18) // 6, c % 6
             for side in range(2):
-                change = sizes[c] if side == 0 else -sizes[c]
-                for i in range(3):
-                    one.start.r[0, i], one.end.r[0, i] = start.r[m, i], end.r[m, i]
-                for i in range(4):
-                    one.start.q[0, i], one.end.q[0, i] = start.q[m, i], end.q[m, i]
-                for i in range(6):
-                    one.increment[0, i] = 0.0
-                    one.start.twist[0, i], one.end.twist[0, i] = start.twist[m, i], end.twist[m, i]
-                    one.start.rate[0, i], one.end.rate[0, i] = start.rate[m, i], end.rate[m, i]
-                if field == 0:
-                    one.increment[0, component] = change
-                    if last:
-                        retract(one.end.r, one.end.q, one.increment, one.end.r, one.end.q)
-                    else:
-                        retract(one.start.r, one.start.q, one.increment, one.start.r, one.start.q)
-                elif field == 1:
-                    if last:
-                        one.end.twist[0, component] += change
-                    else:
-                        one.start.twist[0, component] += change
-                elif last:
-                    one.end.rate[0, component] += change
-                else:
-                    one.start.rate[0, component] += change
-                interpolate_poses(
-                    parts,
-                    h,
-                    one.start,
-                    one.end,
-                    one.split,
-                    True,
-                    one.r[side],
-                    one.q[side],
-                    one.twist[side],
-                    one.scratch,
-                )
+                _copy_node(start, m, one.start)
+                _copy_node(end, m, one.end)
+                changed, size = one.end if c >= 18 else one.start, sizes[c] if side == 0 else -sizes[c]
+                _change(changed, one.increment, field, component, size)
+                fields = (one.r[side], one.q[side], one.twist[side])
+                interpolate_poses(parts, h, one.start, one.end, one.split, True, *fields, one.scratch)
             total = 0.0
             for k in range(parts.shape[0]):
-                w, x, y, z = turns[k, m, 0], turns[k, m, 1], turns[k, m, 2], turns[k, m, 3]
-                a, b, d = (
-                    one.r[0, k, 0, 0] - one.r[1, k, 0, 0],
-                    one.r[0, k, 0, 1] - one.r[1, k, 0, 1],
-                    one.r[0, k, 0, 2] - one.r[1, k, 0, 2],
-                )
-                # back into the axes of the node: a + 2 v x (v x a - w a) for the vector v of its rotation
-                e, f, g = y * d - z * b - w * a, z * a - x * d - w * b, x * b - y * a - w * d
-                total += by_pose[k, m, 0] * (a + 2.0 * (y * g - z * f))
-                total += by_pose[k, m, 1] * (b + 2.0 * (z * e - x * g))
-                total += by_pose[k, m, 2] * (d + 2.0 * (x * f - y * e))
-                p, q, r, s = (
-                    one.q[0, k, 0, 0] - one.q[1, k, 0, 0],
-                    one.q[0, k, 0, 1] - one.q[1, k, 0, 1],
-                    one.q[0, k, 0, 2] - one.q[1, k, 0, 2],
-                    one.q[0, k, 0, 3] - one.q[1, k, 0, 3],
-                )
-                total += 2.0 * by_pose[k, m, 3] * (w * q - p * x - (y * s - z * r))
-                total += 2.0 * by_pose[k, m, 4] * (w * r - p * y - (z * q - x * s))
-                total += 2.0 * by_pose[k, m, 5] * (w * s - p * z - (x * r - y * q))
-                for i in range(6):
-                    total += by_twist[k, m, i] * (one.twist[0, k, 0, i] - one.twist[1, k, 0, i])
+                total += _seen(one, k, stage_quaternion(turns, k, m), by_pose, by_twist, m)
             out[c, m] = total / (2.0 * sizes[c])

@@ -169,6 +169,78 @@ def _precondition(by: Preconditioner, weights: Floats, real: Floats, pair: Float
                 out[s, k, a] = modes[0, s] * m0 + modes[1, s] * m1 + modes[2, s] * m2
 
 
+@part
+def _flatten(values: Floats, units: Floats, out: Floats) -> None:
+    """Write ``values (s, N, 6)`` as one row, in units that make all components alike."""
+    at = 0
+    for s in range(values.shape[0]):
+        for k in range(values.shape[1]):
+            for a in range(6):
+                out[at] = values[s, k, a] * units[a]
+                at += 1
+
+
+@part
+def _unflatten(row: Floats, units: Floats, out: Floats) -> None:
+    """Undo :func:`_flatten`."""
+    at = 0
+    for s in range(out.shape[0]):
+        for k in range(out.shape[1]):
+            for a in range(6):
+                out[s, k, a] = row[at] / units[a]
+                at += 1
+
+
+@part
+def _divide(row: Floats, by: float) -> None:
+    for i in range(row.shape[0]):
+        row[i] /= by
+
+
+@part
+def _orthogonalise(basis: Floats, H: Floats, count: int) -> float:
+    """Take from the vector after the ``count``-th what the basis has of it, into ``H``; return what is left of it."""
+    new, n = basis[count + 1], basis.shape[1]
+    for j in range(count + 1):
+        H[j, count] = 0.0
+    for _ in range(2):  # what one projection leaves, the second removes
+        for j in range(count + 1):
+            along = _dot(basis[j], new)
+            H[j, count] += along
+            for i in range(n):
+                new[i] -= along * basis[j, i]
+    return math.sqrt(_dot(new, new))
+
+
+@part
+def _turn(H: Floats, turns: Floats, goal: Floats, count: int, below: float) -> float:
+    """Make the column ``count`` of ``H``, and ``below`` it, triangular by plane rotations; return its last entry."""
+    for j in range(count):
+        c, s = turns[j, 0], turns[j, 1]
+        one, two = H[j, count], H[j + 1, count]
+        H[j, count], H[j + 1, count] = c * one + s * two, c * two - s * one
+    length = math.hypot(H[count, count], below)
+    c, s = H[count, count] / length, below / length
+    turns[count, 0], turns[count, 1] = c, s
+    H[count, count] = length
+    goal[count], goal[count + 1] = c * goal[count], -s * goal[count]
+    return length
+
+
+@part
+def _combine(basis: Floats, H: Floats, goal: Floats, count: int) -> None:
+    """Solve with the triangle of ``count`` columns, and leave the combination of the basis in its first row."""
+    for j in range(count - 1, -1, -1):
+        for i in range(j + 1, count):
+            goal[j] -= H[j, i] * goal[i]
+        goal[j] /= H[j, j]
+    for at in range(basis.shape[1]):
+        total = 0.0
+        for j in range(count):
+            total += goal[j] * basis[j, at]
+        basis[0, at] = total
+
+
 @kernel
 def solve_transposed(
     system: StageSystem,
@@ -181,79 +253,35 @@ def solve_transposed(
 ) -> int:
     """Solve for ``out (3, N, 6)``, of the right side ``right``; return the iterations, or -1 if it was not solved.
 
+    Saad and Schultz (1986), preconditioned from the left.
+
     Args:
         left: part of the right side, after preconditioning, where the iteration ends; enough: that does at the end.
     """
-    basis, H, goal, turns = work.basis, work.projected, work.goal, work.turns
-    most, n, places = H.shape[1], basis.shape[1], right.shape[1]
+    basis, H, goal = work.basis, work.projected, work.goal
     _precondition(by, right, work.one, work.pair, work.result)
-    at = 0
-    for s in range(3):
-        for k in range(places):
-            for a in range(6):
-                basis[0, at] = work.result[s, k, a] * by.units[a]
-                out[s, k, a] = 0.0
-                at += 1
-    size = math.sqrt(_dot(basis[0], basis[0]))
+    _flatten(work.result, by.units, basis[0])
+    size, count = math.sqrt(_dot(basis[0], basis[0])), 0
     if size == 0.0:
+        _unflatten(basis[0], by.units, out)
         return 0
-    for i in range(n):
-        basis[0, i] /= size
-    goal[0], count = size, 0
+    _divide(basis[0], size)
+    goal[0] = size
     while abs(goal[count]) > left * size:
-        if count == most:
+        if count == H.shape[1]:
             if abs(goal[count]) > enough * size:
                 return -1
             break
-        at = 0
-        for s in range(3):
-            for k in range(places):
-                for a in range(6):
-                    work.vector[s, k, a] = basis[count, at] / by.units[a]
-                    at += 1
+        _unflatten(basis[count], by.units, work.vector)
         _apply(system, work.vector, work.twist, work.acceleration, work.scratch, work.result)
         _precondition(by, work.result, work.one, work.pair, work.vector)
-        new = basis[count + 1]
-        at = 0
-        for s in range(3):
-            for k in range(places):
-                for a in range(6):
-                    new[at] = work.vector[s, k, a] * by.units[a]
-                    at += 1
-        for j in range(count + 1):
-            H[j, count] = 0.0
-        for _ in range(2):  # what one projection leaves, the second removes
-            for j in range(count + 1):
-                along = _dot(basis[j], new)
-                H[j, count] += along
-                for i in range(n):
-                    new[i] -= along * basis[j, i]
-        norm = math.sqrt(_dot(new, new))
-        for j in range(count):
-            c, s_ = turns[j, 0], turns[j, 1]
-            one, two = H[j, count], H[j + 1, count]
-            H[j, count], H[j + 1, count] = c * one + s_ * two, c * two - s_ * one
-        length = math.hypot(H[count, count], norm)
-        c, s_ = H[count, count] / length, norm / length
-        turns[count, 0], turns[count, 1] = c, s_
-        H[count, count] = length
-        goal[count], goal[count + 1] = c * goal[count], -s_ * goal[count]
+        _flatten(work.vector, by.units, basis[count + 1])
+        norm = _orthogonalise(basis, H, count)
+        length = _turn(H, work.turns, goal, count, norm)
         count += 1
         if norm <= 1e-15 * length:
             break
-        for i in range(n):
-            new[i] /= norm
-    for j in range(count - 1, -1, -1):
-        for i in range(j + 1, count):
-            goal[j] -= H[j, i] * goal[i]
-        goal[j] /= H[j, j]
-    at = 0
-    for s in range(3):
-        for k in range(places):
-            for a in range(6):
-                total = 0.0
-                for j in range(count):
-                    total += goal[j] * basis[j, at]
-                out[s, k, a] = total / by.units[a]
-                at += 1
+        _divide(basis[count], norm)
+    _combine(basis, H, goal, count)
+    _unflatten(basis[0], by.units, out)
     return count
