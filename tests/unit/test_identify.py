@@ -488,6 +488,21 @@ def test_what_is_not_the_materials_is_said():
     assert "not the material's" not in told
 
 
+def test_a_law_that_foretells_as_well_is_not_excluded_by_one_that_misses_the_motion_too():
+    names, merits = ["branches 2", "flat_loss", "kelvin_voigt"], np.array([0.0, 35.0, 62.0])
+    errors = np.array([23.8, 21.6, 87.4])
+    told = law_sentences(names, merits, errors, 47.0, {}, misses=True)
+    assert told[0] == "Excluded by these data (47 effective values): kelvin_voigt (AICc +62)."
+    assert told[1].startswith(
+        "Not excluded, though the fit is worse: flat_loss (AICc +35). branches 2 misses part"
+    )
+    assert told[2] == "These data fit branches 2 best."
+    told = law_sentences(names, merits, errors, 47.0, {})
+    assert told[0].endswith("flat_loss (AICc +35), kelvin_voigt (AICc +62).")
+    told = law_sentences(names, merits, np.array([23.8, 30.0, 87.4]), 47.0, {}, misses=True)
+    assert told[0].endswith("flat_loss (AICc +35), kelvin_voigt (AICc +62).")
+
+
 def test_a_clamp_that_only_gives_way_is_not_called_damping():
     names, merits = ["kelvin_voigt + clamp_loss", "kelvin_voigt"], np.array([0.0, 700.0])
     told = " ".join(law_sentences(names, merits, np.zeros(2), 300.0, {}, names[:1]))

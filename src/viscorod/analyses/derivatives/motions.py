@@ -47,9 +47,11 @@ UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
 LEAST, WANTED, MOST = 3e-6, 1e-5, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
-LARGEST, FARTHEST = 5e-4, 1e-2
-"""Change of a number, as a part of it: up to the first two neighbours do; one that hardly matters has four, up to the
-second, since round-off of motions that differ less is more than what the scheme leaves."""
+LARGEST = 5e-4
+"""Change of a number, as a part of it, that two neighbours differ by at most."""
+HIDDEN, FARTHEST = 3e-7, 1e-2
+"""Change of positions over the size of the model, a millionth of which round-off (1e-13) nearly hides: a number that
+changes them less has four neighbours, which may differ by so much of it."""
 WEAK, WEAKER = ("damping", "inertia"), 10.0
 """Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
 OPEN = 1e-9
@@ -78,10 +80,11 @@ def motion_derivatives(
         if few is None or LEAST <= moved <= MOST:
             continue
         key, other = neighbours.number.key, few * WANTED / max(moved, 1e-30)
-        if other > LARGEST:
+        nearer = min(other, LARGEST)
+        if moved * LARGEST < HIDDEN * few:
             again[k] = Neighbours.of(model, key, discrete, many=min(other, FARTHEST))
-        elif abs(other - few) > ALIKE * few:
-            again[k] = Neighbours.of(model, key, discrete, other)
+        elif abs(nearer - few) > ALIKE * few:
+            again[k] = Neighbours.of(model, key, discrete, nearer)
     for k, kept in zip(again, _histories(list(again.values()), settings, start, run), strict=True):
         every[k], histories[k] = again[k], kept
     return {

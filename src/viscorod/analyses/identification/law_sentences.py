@@ -12,6 +12,8 @@ __all__ = ["EXCLUDED", "law_sentences"]
 
 EXCLUDED, ALIKE = 10.0, 4.0
 """Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+AS_WELL = 1.1
+"""Times the error of records left out, of the law that fits best, up to which another one foretells them as well."""
 OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
 """What damps outside of the material, in words."""
 
@@ -23,8 +25,13 @@ def law_sentences(
     count: float,
     lost_outside: Mapping[str, float],
     undamped: Sequence[str] = (),
+    *,
+    misses: bool = False,
 ) -> list[str]:
     """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
+
+    Where even the best law misses part of the motion, its misfit is no noise, and a criterion that counts it as such
+    excludes no law that foretells other records as well.
 
     Args:
         names: of the laws, the best first; aicc: Akaike's criterion less the least.
@@ -32,17 +39,29 @@ def law_sentences(
         count: effective number of values.
         lost_outside: part of the lost energy that drag took, by law.
         undamped: laws whose clamp gives way, and whose damping there is not told from none.
+        misses: whether the best law misses part of the motion.
     """
     out = []
-    excluded = [f"{name} (AICc +{aicc[k]:.0f})" for k, name in enumerate(names) if aicc[k] > EXCLUDED]
+    worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED]
+    open_ones = [k for k in worse if misses and errors.any() and errors[k] <= AS_WELL * errors[0]]
+    excluded = [f"{names[k]} (AICc +{aicc[k]:.0f})" for k in worse if k not in open_ones]
     alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
     few = f" ({count:.0f} effective values)"
     if excluded:
         out.append(f"Excluded by these data{few}: {', '.join(excluded)}.")
+    if open_ones:
+        listed = ", ".join(f"{names[k]} (AICc +{aicc[k]:.0f})" for k in open_ones)
+        out.append(
+            f"Not excluded, though the fit is worse: {listed}. {names[0]} misses part of the motion, too, and foretells "
+            "what was left out no better."
+        )
     if len(alike) > 1:
         out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
     else:
-        out.append(f"These data want {alike[0]}{few if not excluded else ''}.")
+        fits = "fit" if open_ones else "want"
+        out.append(
+            f"These data {fits} {alike[0]}{few if not excluded else ''}{' best' if open_ones else ''}."
+        )
     out += _outside(names, aicc, alike, lost_outside, undamped)
     if errors.any():
         first = int(np.argmin(errors))

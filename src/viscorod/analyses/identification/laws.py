@@ -212,7 +212,15 @@ def compared_laws(
     undamped = [one.name for one in done if "clamp_loss" in one.name and not _clamp_damps(one)]
     lost = {name: share for name, share in shares.items() if share is not None}
     sentences = [
-        *law_sentences(names, columns["law_aicc"], columns["law_prediction"], count, lost, undamped),
+        *law_sentences(
+            names,
+            columns["law_aicc"],
+            columns["law_prediction"],
+            count,
+            lost,
+            undamped,
+            misses=bool(missed(done[0].found.estimate)),
+        ),
         *foretold_sentences(told, apart, names[0]),
         *amplitude_sentences(swings_of(pairs), swings, names[0]),
     ]
