@@ -52,8 +52,8 @@ def law_sentences(
     if open_ones:
         listed = ", ".join(f"{names[k]} (AICc +{aicc[k]:.0f})" for k in open_ones)
         out.append(
-            f"Not excluded, though the fit is worse: {listed}. {names[0]} misses part of the motion, too, and foretells "
-            "what was left out no better."
+            f"Not excluded, though the fit is worse: {listed}. {names[0]} misses part of the motion, too, and "
+            "foretells what was left out no better."
         )
     if len(alike) > 1:
         out.append(f"These data do not decide between {', '.join(alike[:-1])} and {alike[-1]}.")
