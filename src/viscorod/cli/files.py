@@ -46,8 +46,8 @@ def _hint(case: Path) -> str:
     return f"name a case file, or copy one with: viscorod example {known}"
 
 
-_ENDINGS = frozenset({".csv", ".gif", ".html", ".mp4", ".nc", ".pdf", ".png", ".svg", ".toml"})
-"""Of names that are no folders."""
+_ENDINGS = frozenset({".csv", ".gif", ".html", ".mp4", ".nc", ".pdf", ".png", ".svg"})
+"""Of names that are no folders; one named after its case file is."""
 
 
 def writable(folder: Path) -> Path:
