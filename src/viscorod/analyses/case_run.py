@@ -7,6 +7,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
+from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
 from viscorod.analyses.call_arguments import CallOptions, Progress
@@ -39,51 +40,29 @@ if TYPE_CHECKING:
 __all__ = ["as_model", "discretised_case", "run_case"]
 
 
+_ANALYSES: dict[type, tuple[Callable[..., Any] | None, str]] = {
+    SimulateSettings: (refined_motion, "motion:motion"),
+    EquilibriumSettings: (refined, "equilibrium:equilibrium"),
+    PathSettings: (refined, "path:equilibrium_path"),
+    SteadySettings: (refined, "steady:steady_rotation"),
+    ModesSettings: (refined_modes, "modes:modes"),
+    BucklingSettings: (refined_buckling, "buckling:buckling"),
+    ResponseSettings: (refined_response, "frequency_response:frequency_response"),
+    PeriodicSettings: (refined_periodic, "periodic:periodic"),
+    CampbellSettings: (None, "campbell:campbell"),
+    StabilitySettings: (None, "stability:stability"),
+}
+"""What refines the mesh of an analysis, by its settings, and where the analysis is."""
+
+
 def _analysis(kind: type) -> Callable[[DiscreteModel, Any], AnyResult]:
     """Return the analysis of a kind of settings, on a mesh that is fine enough for it.
 
     It is imported when it is asked for: a run starts sooner without the others.
     """
-    if kind is SimulateSettings:
-        from viscorod.analyses.motion import motion
-
-        return partial(refined_motion, motion)
-    if kind is EquilibriumSettings:
-        from viscorod.analyses.equilibrium import equilibrium
-
-        return partial(refined, equilibrium)
-    if kind is PathSettings:
-        from viscorod.analyses.path import equilibrium_path
-
-        return partial(refined, equilibrium_path)
-    if kind is SteadySettings:
-        from viscorod.analyses.steady import steady_rotation
-
-        return partial(refined, steady_rotation)
-    if kind is ModesSettings:
-        from viscorod.analyses.modes import modes
-
-        return partial(refined_modes, modes)
-    if kind is BucklingSettings:
-        from viscorod.analyses.buckling import buckling
-
-        return partial(refined_buckling, buckling)
-    if kind is ResponseSettings:
-        from viscorod.analyses.frequency_response import frequency_response
-
-        return partial(refined_response, frequency_response)
-    if kind is CampbellSettings:
-        from viscorod.analyses.campbell import campbell
-
-        return campbell
-    if kind is StabilitySettings:
-        from viscorod.analyses.stability import stability
-
-        return stability
-    from viscorod.analyses.periodic import periodic
-
-    assert kind is PeriodicSettings
-    return partial(refined_periodic, periodic)
+    refine, place = _ANALYSES[kind]
+    analysis: Callable[[DiscreteModel, Any], AnyResult] = resolve_name(f"{__package__}.{place}")
+    return analysis if refine is None else partial(refine, analysis)
 
 
 def discretised_case(case: Case, options: CallOptions | None = None) -> DiscreteModel:
