@@ -7,9 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
-from viscorod.model.connections.motion_words import MOTIONS
-from viscorod.model.fields.definition import some_of
+from viscorod.solve.constraints.moved_by_inputs import check_ground, moved_by, refused_input
 from viscorod.solve.linear_systems.small_motions import SmallMotions, global_axes
 from viscorod.solve.problem.external_loads import ExternalLoads, load_count
 from viscorod.solve.settings.signals import BASE, LoadInput, MotionInput, SignalInput
@@ -80,28 +78,14 @@ def _unit_load(small: SmallMotions, number: int) -> Floats:
     return external.ravel()
 
 
-def _refused(k: int, signal: MotionInput, why: str, instead: str) -> InputError:
-    return InputError(Fault(f"inputs[{k}]", repr(signal.label), why, instead))
-
-
 def _base(solver: StaticSolver, small: SmallMotions, signal: MotionInput, k: int) -> Floats:
     """Return the motions of all supports that follow a rigid motion of the ground."""
     problem, state, supports = small.problem, small.state, solver.supports
     if not len(small.held_motions):
-        raise _refused(
+        raise refused_input(
             k, signal, "the model has no supports that could move", "give a force, or add a support"
         )
-    if supports.set.in_body.any():
-        raise _refused(
-            k, signal, "a support holds velocities along axes of the section", "use another support"
-        )
-    if problem.joints.count and (problem.joints.arrays.nodes < 0).any():
-        raise _refused(
-            k,
-            signal,
-            "a joint or spring connects the model to the ground, which does not move with the supports",
-            "attach it to a body, and support that",
-        )
+    check_ground(problem, supports, signal, k)
     axis = np.eye(3)[signal.component % 3]
     turns, R = signal.component >= 3, global_axes(state)
     found = np.zeros(len(small.held_motions))
@@ -122,40 +106,12 @@ def _prescribe(
     k: int,
 ) -> None:
     """Write a motion of one support, or of a held coordinate of a joint."""
-    problem, supports = small.problem, solver.supports
     held, targets = into
-    word = MOTIONS[signal.component]
-    named = [i for i, name in enumerate(supports.set.names) if signal.place in name.split(" + ")]
-    if named:
-        mine = np.flatnonzero((small.held_motions == (named[0], signal.component)).all(axis=1))
-        if not len(mine):
-            raise _refused(
-                k, signal, f"this support does not hold {word}", "give a motion that it holds, or a force"
-            )
-        held[mine[0]] = 1.0
-        return
     constraints = solver.system.constraints
-    joints = problem.joints
-    if signal.place in joints.names:
-        number = joints.names.index(signal.place)
-        mine = np.flatnonzero(
-            (joints.joint == number) & constraints.is_held & (np.array(joints.words) == word)
-        )
-        balls = np.isin(mine, constraints.ball_motors.coordinates)
-        if not len(mine) or balls.any():
-            raise _refused(
-                k,
-                signal,
-                f"{word} of this joint is {'a motor about several axes' if len(mine) else 'not held'}",
-                "give a motion that the joint holds or drives, or a moment",
-            )
-        row = int(np.searchsorted(constraints.used, constraints.arrays.place[mine[0]]))
+    moved = moved_by(small.problem, solver.supports, constraints, signal, k)
+    if moved.support is not None:
+        mine = (small.held_motions == (moved.support, signal.component)).all(axis=1)
+        held[np.flatnonzero(mine)[0]] = 1.0
+    else:
+        row = int(np.searchsorted(constraints.used, constraints.arrays.place[moved.coordinate]))
         targets[row] = 1.0 / small.condition_scale[row]
-        return
-    places = [place for name in supports.set.names for place in name.split(" + ")]
-    raise _refused(
-        k,
-        signal,
-        "only supports and joints can be moved, and none has this name",
-        f"give one of {some_of([BASE, *places, *joints.names])}, or a force",
-    )

@@ -7,10 +7,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
-from viscorod.model.connections.motion_words import MOTIONS
-from viscorod.model.fields.definition import some_of
 from viscorod.solve.constraints.constraints import Constraints
+from viscorod.solve.constraints.moved_by_inputs import check_ground, moved_by, refused_input
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.signals import BASE, LoadInput, MotionInput, SignalInput
@@ -67,7 +65,11 @@ class Drive:
             elif signal.place == BASE:
                 targets[k] = _base(problem, supports, signal, k)
             else:
-                _prescribed(problem, supports, constraints, signal, targets[k], joints[k], k)
+                moved = moved_by(problem, supports, constraints, signal, k)
+                if moved.support is not None:
+                    targets[k, moved.support, signal.component] = 1.0
+                else:
+                    joints[k, moved.coordinate] = 1.0
         return cls(tuple(signals), np.asarray(amplitudes), np.asarray(leads), loads, targets, joints)
 
     @property
@@ -99,69 +101,15 @@ class Drive:
         return (of_supports[0], of_supports[1], of_supports[2]), (of_joints[0], of_joints[1])
 
 
-def _refused(k: int, signal: MotionInput, why: str, instead: str) -> InputError:
-    return InputError(Fault(f"inputs[{k}]", repr(signal.label), why, instead))
-
-
 def _base(problem: Problem, supports: SupportState, signal: MotionInput, k: int) -> Floats:
     """Return how supports are moved by a translation of the ground ``(m, 6)``."""
     found, s = np.zeros((len(supports.set.nodes), 6)), supports.set
     if signal.component >= 3:
-        raise _refused(k, signal, "the ground of a periodic motion is moved, not turned", "turn one support")
-    if s.in_body.any():
-        raise _refused(
-            k, signal, "a support holds velocities along axes of the section", "use another support"
+        raise refused_input(
+            k, signal, "the ground of a periodic motion is moved, not turned", "turn one support"
         )
-    if problem.joints.count and (problem.joints.arrays.nodes < 0).any():
-        raise _refused(
-            k,
-            signal,
-            "a joint or spring connects the model to the ground, which does not move with the supports",
-            "attach it to a body, and support that",
-        )
+    check_ground(problem, supports, signal, k)
     found[:, :3] = s.fixed[:, :3] * s.axes[:, signal.component, :]
     if not found.any():
-        raise _refused(k, signal, "no support holds anything along this axis", "give a force")
+        raise refused_input(k, signal, "no support holds anything along this axis", "give a force")
     return found
-
-
-def _prescribed(
-    problem: Problem,
-    supports: SupportState,
-    constraints: Constraints,
-    signal: MotionInput,
-    target: Floats,
-    joint: Floats,
-    k: int,
-) -> None:
-    """Write by how much one support or joint is moved."""
-    s, joints, word = supports.set, problem.joints, MOTIONS[signal.component]
-    for m, name in enumerate(s.names):
-        if signal.place in name.split(" + "):
-            if not s.fixed[m, signal.component] or s.in_body[m]:
-                raise _refused(
-                    k, signal, f"this support does not hold {word}", "give a motion that it holds, or a force"
-                )
-            target[m, signal.component] = 1.0
-            return
-    if signal.place in joints.names:
-        number = joints.names.index(signal.place)
-        mine = np.flatnonzero(
-            (joints.joint == number) & constraints.is_held & (np.array(joints.words) == word)
-        )
-        if not len(mine) or np.isin(mine, constraints.ball_motors.coordinates).any():
-            raise _refused(
-                k,
-                signal,
-                f"{word} of this joint is {'a motor about several axes' if len(mine) else 'not held'}",
-                "give a motion that the joint holds or drives, or a moment",
-            )
-        joint[mine[0]] = 1.0
-        return
-    places = [place for name in s.names for place in name.split(" + ")]
-    raise _refused(
-        k,
-        signal,
-        "only supports and joints can be moved, and none has this name",
-        f"give one of {some_of([BASE, *places, *joints.names])}, or a force",
-    )
