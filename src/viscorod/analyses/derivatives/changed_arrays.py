@@ -5,6 +5,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Mapping
 from enum import Enum
+from functools import partial
 from types import FunctionType, MethodType
 from typing import Any
 
@@ -57,19 +58,19 @@ def kind_of(problem: Problem, neighbours: Neighbours) -> Kind:
 def array_changes(neighbours: Neighbours) -> ArrayChanges:
     """Return the derivatives of the arrays by a number; those of loads are left zero."""
 
-    def of(name: str) -> np.ndarray:
-        def array(one: Neighbour) -> np.ndarray:
-            problem = one.problem
-            beside = {"mass": problem.mass, "times": problem.relaxation_times}
-            if name == "branches":
-                return all_branches(problem)
-            return beside[name] if name in beside else np.asarray(getattr(one.system.elements(), name))
+    def array(name: str, one: Neighbour) -> np.ndarray:
+        problem = one.problem
+        if name in ("stiffness", "damping"):
+            return np.concatenate([getattr(elements, name) for elements in problem.sets])
+        if name == "reference":  # nodes are where they are: only rest strains may be others
+            return (one if problem.rest_strains else one.base).system.elements().reference
+        if name == "branches":
+            return all_branches(problem)
+        return problem.mass if name == "mass" else problem.relaxation_times
 
-        return neighbours.derivative(array)
-
-    one = neighbours.each[0]
-    none = ArrayChanges.none(one.problem, one.system.elements())
-    return none._replace(**{name: of(name) for name in KNOWN})
+    base = neighbours.each[0].base
+    none = ArrayChanges.none(base.problem, base.system.elements())
+    return none._replace(**{name: neighbours.derivative(partial(array, name)) for name in KNOWN})
 
 
 def _differing(problem: Problem, other: Problem) -> set[str]:

@@ -11,11 +11,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any, NamedTuple
 
 import numpy as np
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
+from viscorod.analyses.derivatives.other_rods import with_other_rods
 from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, section_record
@@ -75,18 +77,19 @@ class Neighbour:
 
     Attributes:
         change: of the number; weight: of what is computed with it, in the derivative.
-        other_rods: whether rods, their materials or sections may be other ones.
+        model, problem: with the other number, discretised on the mesh of ``base``.
     """
 
     change: float
     weight: float
-    discrete: DiscreteModel
-    other_rods: bool = True
+    model: ModelDescription
+    problem: Problem
+    base: DiscreteModel
 
-    @property
-    def problem(self) -> Problem:
-        """Its arrays."""
-        return self.discrete.problem
+    @cached_property
+    def discrete(self) -> DiscreteModel:
+        """What solves it."""
+        return self.base.of_problem(self.model, self.problem)
 
     @property
     def system(self) -> System:
@@ -105,9 +108,10 @@ class Neighbour:
 
     def attributes(self, result: Any) -> dict[str, Any]:
         """Return the attributes of a result for this one: its materials and sections are its own."""
-        model = self.discrete.model
+        model = self.model
         kept = {name: value for name, value in result.data.attrs.items() if name != "kind"}
-        if self.other_rods:
+        rods = zip(self.base.model.rods.values(), model.rods.values(), strict=True)
+        if not all(a is b for a, b in rods):
             kept |= material_record(model) | section_record(model, self.system.gauss_positions())
         return kept | {"case": json.dumps(model.to_dict())}
 
@@ -154,14 +158,8 @@ class Neighbours(NamedTuple):
             except InputError as error:
                 refused = refused or error
                 continue
-            rods = discrete.model.rods.values()
             each = [
-                Neighbour(
-                    step * place,
-                    weight / step,
-                    made,
-                    not all(a is b for a, b in zip(rods, made.model.rods.values(), strict=True)),
-                )
+                Neighbour(step * place, weight / step, *made, discrete)
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
             return cls(number, tuple(each), tuple(weight / step for weight in scheme.rough))
@@ -199,18 +197,20 @@ def natural_size(unit: str, problem: Problem) -> float:
     }.get(unit, 1.0)
 
 
-def _made(discrete: DiscreteModel, number: CaseNumber, change: float) -> DiscreteModel:
-    """Return the discretised model of a neighbour."""
+def _made(discrete: DiscreteModel, number: CaseNumber, change: float) -> tuple[ModelDescription, Problem]:
+    """Return the model of a neighbour, and its arrays."""
     model = number.at(number.value + change)
     if discrete.model.rest_strains and not discrete.model.strains and model.strains:
         model = with_strains_at_rest(model)
     known = with_known_times(model)
-    divisions = _moved(discrete.model, known, divisions_of(discrete.problem))
-    problem = discretise(known, validated=True, divisions=divisions)
+    problem = with_other_rods(discrete.model, discrete.problem, known)
+    if problem is None:
+        divisions = _moved(discrete.model, known, divisions_of(discrete.problem))
+        problem = discretise(known, validated=True, divisions=divisions)
     difference = _difference(discrete.problem, problem)
     if difference:
         raise InputError(Fault(number.key, f"{number.value:.6g}", f"it changes {difference}", ""))
-    return discrete.of_problem(known, problem)
+    return known, problem
 
 
 def _moved(model: ModelDescription, other: ModelDescription, divisions: Divisions) -> dict[str, Division]:

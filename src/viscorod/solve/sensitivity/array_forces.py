@@ -14,12 +14,12 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.linearised import Operators
 from viscorod.mechanics.elements.section_laws import BY_RATE, BY_STRAIN
 from viscorod.mechanics.nodes.inertia import add_coriolis
-from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.external_loads import load_count
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.array_gradients import add_of_elements, add_of_inertia
+from viscorod.solve.sensitivity.stage_terms import fall
 from viscorod.solve.transient.integrators.step_actions import StepActions
 from viscorod.typing import Floats
 
@@ -53,6 +53,7 @@ class ArrayForces:
         self.scale = np.zeros((stages, len(actions.system.constraints.scale)))
         self._virtual: Floats = np.zeros((stages, count, points, 6))
         self._of_elements, self._of_inertia = KnownTypes(add_of_elements), KnownTypes(add_of_inertia)
+        self._falling = KnownTypes(fall)
         self._step: StageRecord
 
     def take(self, i: int, t: float, before: bool, scale: Floats) -> None:
@@ -64,11 +65,8 @@ class ArrayForces:
     def begin(self, step: StageRecord) -> None:
         """Take a step, whose stages have been taken and whose operators are written."""
         self._step = step
-        self._fall = step.acceleration  # gravity is an acceleration of the whole model the other way
-        if self._gravity.any():
-            turns = matrices(step.q.reshape(-1, 4)).reshape(*step.q.shape[:2], 3, 3)
-            self._fall = self._fall.copy()
-            self._fall[..., :3] -= np.einsum("snji,sj->sni", turns, self._gravity)
+        # gravity is an acceleration of the whole model the other way
+        self._falling.call(step.q, step.acceleration, self._gravity, self._fall)
 
     def force(self, changes: ArrayChanges) -> Floats:
         """Return the changes ``(s, N, 6)`` of the balances with the arrays, at constant motion and multipliers."""

@@ -15,10 +15,10 @@ from scipy.linalg import solve_triangular
 from viscorod.errors import SolveError
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes.support_rows import Directions
-from viscorod.mechanics.rotations.adjoint_maps import adjoint_map
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.problem import Problem
+from viscorod.solve.sensitivity.stage_terms import mean_jacobian
 from viscorod.solve.sensitivity.transposed_solution import (
     Preconditioner,
     StageSystem,
@@ -46,25 +46,27 @@ class StageSolver:
         problem: the model; tableau: the method; body: the model for kernels; scales: of its unknowns ``(6 N,)``.
 
     Attributes:
-        iterations: so far.
+        iterations: so far; work: scratch of compiled code.
     """
 
     def __init__(self, problem: Problem, tableau: Tableau, body: Discretisation, scales: Floats) -> None:
         self.problem, self.tableau, self.body = problem, tableau, body
         self._scales = scales
-        plan = problem.plan
+        plan, pattern = problem.plan, problem.pattern
         self._mus: list[complex] = [tableau.real, *map(complex, tableau.pairs)]
         self._solvers = [DirectSolver(plan), *(DirectSolver(plan, complex) for _ in tableau.pairs)]
         self._combine = [KnownTypes(jacobian.combine) for _ in self._mus]
         self._rows = [np.ones_like(scales) for _ in self._mus]
         self._blocks = [
-            np.zeros((len(problem.pattern.rows), 6, 6), dtype=complex if k else float)
-            for k in range(len(self._mus))
+            np.zeros((len(pattern.rows), 6, 6), dtype=complex if k else float) for k in range(len(self._mus))
         ]
+        self._mean, blocks, n = KnownTypes(mean_jacobian), len(pattern.rows), problem.size
+        self._means = [np.zeros((count, 6, 6)) for count in (blocks, blocks, n, n)]
         self._units = np.where(np.arange(6) < 3, 1.0 / problem.length, 1.0)
         self.iterations = 0
         self._transposed = KnownTypes(solve_transposed)
-        self._work: Workspace | None = None
+        stages, n = len(tableau.nodes), problem.size
+        self.work = Workspace.of((stages, pattern.size, 6), n, ITERATIONS)
 
     def factorise(
         self,
@@ -86,13 +88,10 @@ class StageSolver:
         Raises:
             SolveError: a matrix is singular.
         """
-        pattern, n = self.problem.pattern, self.problem.size
-        mean_K, mean_C, mean_mass = K.mean(axis=0), C.mean(axis=0), mass.mean(axis=0)
-        ad = np.zeros((pattern.size, 6, 6))
-        ad[:n] = adjoint_map(twist.mean(axis=0))
-        # entries [b, j, i] are in row i and column j
-        mean_K += np.swapaxes(ad, 1, 2)[pattern.columns] @ mean_C
-        mean_C[pattern.diagonal[:n]] += np.swapaxes(mean_mass @ ad[:n], 1, 2)
+        pattern = self.problem.pattern
+        mean_K, mean_C, mean_mass, turn = self._means
+        fields = pattern.columns, pattern.diagonal, turn, mean_K, mean_C, mean_mass
+        self._mean.call(K, C, mass, twist, *fields)
         for k, solver in enumerate(self._solvers):
             mu = self._mus[k] / h if k else float(np.real(self._mus[0])) / h
             self._combine[k].call(
@@ -146,10 +145,8 @@ class StageSolver:
             factors[0],
             factors[1],
         )
-        if self._work is None:
-            self._work = Workspace.of(right.shape, self.problem.size, ITERATIONS)
         found = np.empty_like(right)
-        count = self._transposed.call(system, by, self._work, right, LEFT, ENOUGH, found)
+        count = self._transposed.call(system, by, self.work, right, LEFT, ENOUGH, found)
         for solver in self._solvers:
             solver.check()
         if count < 0:

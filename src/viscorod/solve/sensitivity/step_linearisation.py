@@ -21,14 +21,14 @@ from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.sensitivity import stage_maps
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.array_forces import ArrayForces
-from viscorod.solve.sensitivity.balance import gyroscopic
 from viscorod.solve.sensitivity.end_corrections import EndCorrections
 from viscorod.solve.sensitivity.equilibrium_sensitivity import actions_of
 from viscorod.solve.sensitivity.known_models import require_linearisable
 from viscorod.solve.sensitivity.stage_branches import StageBranches
 from viscorod.solve.sensitivity.stage_records import LookedBack, StageRecord, Weights
 from viscorod.solve.sensitivity.stage_solver import StageSolver
-from viscorod.solve.sensitivity.transposed_solution import StageSystem
+from viscorod.solve.sensitivity.stage_terms import begin_stages
+from viscorod.solve.sensitivity.transposed_solution import StageSystem, through_twists
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.stage_data import Matrices
@@ -77,6 +77,8 @@ class StepLinearisation:
         self._step: StageRecord
         self._shapes = (stages, n, 6), (stages, N, 6)
         self._project, self._write_maps = KnownTypes(jacobian.project), KnownTypes(stage_maps.stage_maps)
+        self._begin = KnownTypes(begin_stages)
+        self._through = KnownTypes(through_twists)
         self._follow = KnownTypes(stage_maps.follow_twists)
         self._follow_back = KnownTypes(stage_maps.follow_twists_transposed)
         self._balances = KnownTypes(stage_maps.add_balances)
@@ -89,10 +91,7 @@ class StepLinearisation:
         self._starts = rates.sum(axis=1)
         self.actions.system.constraints.near[:] = step.near
         self.actions.system.impose_rest(Imposed(1.0, step.t, False))
-        self.K.fill(0.0)
-        self.C.fill(0.0)
-        turning = gyroscopic(self.body.mass, step.twist)
-        self.C[:, self.problem.pattern.diagonal[: self.problem.size]] += np.swapaxes(turning, 2, 3)
+        self._begin.call(self.body.mass, step.twist, self.problem.pattern.diagonal, self.K, self.C, self.mass)
         for i, t in enumerate(step.times):
             self._linearise_stage(step, i, float(t), step.before and i == last)
         self.arrays.begin(step)
@@ -127,7 +126,6 @@ class StepLinearisation:
             constraints.add_tangent(state, self._still, K, C, moving=True, held=held)
         actions.add_load_stiffness(t, state, self._still, K, C, before=before)
         actions.move_supports(t, before=before)
-        self.mass[i] = body.mass
         directions = self._directions[i]
         self._project.call(
             body.supports,
@@ -246,39 +244,34 @@ class StepLinearisation:
         Args:
             weights: derivatives of the function by the end.
         """
-        n, pattern = self.problem.size, self.problem.pattern
-        by_poses = np.zeros(self._shapes[1])
+        n, by_poses = self.problem.size, np.zeros(self._shapes[1])
         by_poses[-1, :n] = weights.pose
         self._add_twists_back(weights.twists, by_poses)
         dashpot = weights.dashpot
         if self.branches is not None and dashpot is not None:
             by_poses[:, :n] += self.branches.nodal(self.branches.by_end(dashpot), n)
         forces = -self._solved_back(by_poses)
-        by_twist, by_acceleration = np.zeros((2, *self._shapes[0]))
-        unused = np.zeros(self._shapes[1])
-        fields = (self.K, self.C, self.mass)
-        self._balances_back.call(
-            pattern.rows, pattern.columns, *fields, forces, unused, by_twist, by_acceleration
-        )
-        by_offset = weights.twists + by_twist + _weighted(self._rates.T, by_acceleration)
-        by_carried = np.zeros(self._shapes[1])
-        self._add_twists_back(-by_offset, by_carried)
-        start_pose = np.einsum("snji,snj->ni", self._maps[0], by_carried[:, :n])
-        start_twist = -np.tensordot(self._starts, by_acceleration, 1)
+        start_pose, start_twist = np.empty((2, n, 6))
+        given = weights.twists, self._maps[0], self.body.held, forces, self.solver.work
+        self._through.call(self._system(), *given, start_pose, start_twist)
         branches = None
         if self.branches is not None:
             dashpot = np.zeros_like(self._step.dashpot) if dashpot is None else dashpot
             pushed = self.lifted(forces)[:, :n]
             branches = self.branches.gradient(pushed, dashpot, self._step.strain, self._step.dashpot)
-        return LookedBack(self._free(start_pose), self._free(start_twist), forces, branches)
+        return LookedBack(start_pose, start_twist, forces, branches)
 
     def _solved_back(self, by_poses: Floats) -> Floats:
         """Return the solution ``(s, N, 6)`` of the transposed system."""
         if self.branches is not None or not self.solver.compiled:
             return self.solver.solve_transposed(self._apply_transposed, by_poses)
+        return self.solver.solve_compiled(self._system(), by_poses)
+
+    def _system(self) -> StageSystem:
+        """Return how the balances of the present step follow from increments of poses."""
         pattern = self.problem.pattern
         fields = self._rates, *self._maps[1:], pattern.rows, pattern.columns, self.K, self.C, self.mass
-        return self.solver.solve_compiled(StageSystem(*fields), by_poses)
+        return StageSystem(*fields)
 
     def _add_twists_back(self, x: Floats, out: Floats) -> None:
         self._follow_back.call(self._rates, *self._maps[1:], np.ascontiguousarray(x), self._scratch, out)

@@ -1,4 +1,4 @@
-"""How states within a step change with both of its ends, and what a scalar sees of that, node by node."""
+"""What a scalar sees of states: by poses and twists of nodes, and by both ends of the step that they are within."""
 
 from __future__ import annotations
 
@@ -11,22 +11,94 @@ from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpo
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.mechanics.rotations.vectors import (
     Quaternion,
+    Vector,
     conjugate,
+    cross,
     difference,
     dot,
+    plus,
     plus4,
     product,
     put,
     put4,
     quaternion,
+    rotated,
     rotated_back,
+    scaled4,
     stage_quaternion,
     stage_vector,
     vector,
 )
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
-__all__ = ["OneNode", "look_within"]
+__all__ = ["OneNode", "Seen", "look_at_states", "look_within"]
+
+
+class Seen(NamedTuple):
+    """Derivatives of a scalar by what is stored ``(k, stations, 3)``, of rotations 4; empty where it does not look."""
+
+    position: Floats
+    rotation: Floats
+    velocity: Floats
+    spin: Floats
+
+
+@part
+def _add(out: Floats, k: int, m: int, at: int, a: Vector) -> None:
+    for i in range(3):
+        out[k, m, at + i] += a[i]
+
+
+@kernel
+def look_at_states(
+    instants: Integers,
+    stations: Integers,
+    of: Integers,
+    offset: Floats,
+    turn: Floats,
+    stored: Floats,
+    seen: Seen,
+    q: Floats,
+    twist: Floats,
+    by_pose: Floats,
+    by_twist: Floats,
+) -> None:
+    """Write the derivatives of a scalar by body increments of poses and by twists of ``m`` nodes ``(k, m, 6)``.
+
+    Args:
+        instants: numbers of the stored times ``(k,)``; stations: numbers of those that it looks at; of: their nodes.
+        offset, turn: places of all stations in the axes of their nodes; stored: rotations, whose signs count.
+        q, twist: of the nodes ``(k, m, ...)``.
+    """
+    for k in range(by_pose.shape[0]):
+        at = instants[k]
+        for m in range(by_pose.shape[1]):
+            for i in range(6):
+                by_pose[k, m, i] = by_twist[k, m, i] = 0.0
+        for number in range(stations.shape[0]):
+            station, m = stations[number], of[number]
+            here, arm, own = stage_quaternion(q, k, m), vector(offset, station, 0), quaternion(turn, station)
+            if seen.position.shape[0] > 0:
+                pushed = rotated_back(here, stage_vector(seen.position, at, station, 0))
+                _add(by_pose, k, m, 0, pushed)
+                _add(by_pose, k, m, 3, cross(arm, pushed))
+            if seen.rotation.shape[0] > 0:
+                whole, kept = product(here, own), stage_quaternion(stored, at, station)
+                same = whole[0] * kept[0] + dot(whole[1], kept[1])
+                sign = 1.0 if same > 0.0 else -1.0
+                # sign q (0, theta)/2 turn
+                back = scaled4(0.5 * sign, stage_quaternion(seen.rotation, at, station))
+                _add(by_pose, k, m, 3, product(product(conjugate(here), back), conjugate(own))[1])
+            if seen.velocity.shape[0] > 0:
+                # of a place that turns with its node, in the axes of the node
+                pushed = rotated_back(here, stage_vector(seen.velocity, at, station, 0))
+                spin = stage_vector(twist, k, m, 3)
+                speed = plus(stage_vector(twist, k, m, 0), 1.0, cross(spin, arm))
+                _add(by_pose, k, m, 3, cross(speed, pushed))
+                _add(by_twist, k, m, 0, pushed)
+                _add(by_twist, k, m, 3, cross(arm, pushed))
+            if seen.spin.shape[0] > 0:  # in the axes of the place
+                _add(by_twist, k, m, 3, rotated(own, stage_vector(seen.spin, at, station, 0)))
 
 
 class OneNode(NamedTuple):

@@ -6,21 +6,21 @@ depends on poses, twists and their rates there; these derivatives are central di
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
-from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.mechanics.rotations.quaternion import matrices as matrices_of
+from viscorod.mechanics.rotations.quaternion import product
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
 from viscorod.solve.sensitivity.closed_states import ClosedStates
 from viscorod.solve.sensitivity.motion_sensitivity import Look
 from viscorod.solve.sensitivity.stage_records import StageRecord
-from viscorod.solve.sensitivity.step_looks import OneNode, look_within
+from viscorod.solve.sensitivity.step_looks import OneNode, Seen, look_at_states, look_within
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
 
@@ -69,7 +69,8 @@ class StoredWeights:
         closing: ClosedStates | None = None,
     ) -> None:
         self._closing = closing
-        self.reader, self.times, self.weights, self.stored = reader, times, dict(weights), stored
+        self.reader, self.times, self.weights = reader, times, dict(weights)
+        self.stored = np.ascontiguousarray(stored)
         self._split, self._tableau, self._length = split, tableau, length
         self._interpolate = KnownTypes(interpolate)
         looked = np.zeros(len(reader.nodes), dtype=bool)
@@ -82,6 +83,8 @@ class StoredWeights:
         self._nodes = np.unique(np.concatenate([reader.nodes[self._stations], beside]))
         self._of = np.searchsorted(self._nodes, reader.nodes[self._stations])
         self._look, self._scratch = KnownTypes(look_within), dict[int, OneNode]()
+        self._look_at, none = KnownTypes(look_at_states), np.zeros((0, 0, 0))
+        self._seen = Seen(*(np.ascontiguousarray(self.weights.get(name, none)) for name in READ))
         self._passed: list[tuple[Integers, Floats, Floats, Floats]] = []
 
     def seen(self, number: int, state: State, step: StageRecord | None) -> Look | None:
@@ -117,7 +120,8 @@ class StoredWeights:
         """Return the derivatives by states within a step, of all its nodes, that are closed when they are recorded."""
         closing, nodes, (n, _) = self._closing, self._nodes, step.state.r.shape
         assert closing is not None
-        fields = self._states(parts, step.h, start, end, np.arange(n))
+        ends = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
+        fields = self._states(parts, step.h, ends, np.arange(n))
         poses, twists = [], []
         for k, part, r, q, twist in zip(places, parts, *fields, strict=True):
             closed = closing.within(State(r, q, twist, step.state.multiplier), step.t + part * step.h)
@@ -140,12 +144,12 @@ class StoredWeights:
         ends = [state.r, state.q, state.twist, step.acceleration[-1]]
         start, end = ([part[nodes] for part in parts] for parts in (starts, ends))
         parts = (self.times[inside] - step.t) / h
-        base = self._states(parts, h, start, end, nodes)
+        ends_of_nodes = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
+        base = self._states(parts, h, ends_of_nodes, nodes)
         if self._closing is None:
             weights = self._nodal(np.array(inside), *base)
         else:
             weights = self._inside(np.array(inside), parts, step, starts, ends)
-        ends_of_nodes = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
         if len(parts) not in self._scratch:
             self._scratch[len(parts)] = OneNode.of(len(parts))
         sums = np.empty((36, m))
@@ -176,51 +180,22 @@ class StoredWeights:
         return sizes
 
     def _states(
-        self, parts: Floats, h: float, start: list[Floats], end: list[Floats], nodes: Integers
+        self, parts: Floats, h: float, ends: Sequence[MovingPoses], nodes: Integers
     ) -> tuple[Floats, Floats, Floats]:
-        """Return positions, rotations and twists ``(k, m, ...)`` at ``parts (k,)`` of a step."""
+        """Return positions, rotations and twists ``(k, m, ...)`` at ``parts (k,)`` of a step with these ``ends``."""
         k, m = len(parts), len(nodes)
         r, q, twist = np.empty((k, m, 3)), np.empty((k, m, 4)), np.empty((k, m, 6))
-        ends = [MovingPoses(*map(np.ascontiguousarray, fields)) for fields in (start, end)]
         self._interpolate.call(parts, h, *ends, self._split[nodes], True, r, q, twist, np.empty((10, 6)))
         return r, q, twist
 
     def _nodal(self, instants: Integers, r: Floats, q: Floats, twist: Floats) -> _Nodal:
         """Return the derivatives by the states ``(k, m, ...)`` of the nodes at stored times."""
         self._passed.append((instants, r, q, twist))
-        stations, of = self._stations, self._of
-        offset, turn = (part[stations] for part in self.reader.places)
-        R, q, twist, apart = matrices(q)[:, of], q[:, of], twist[:, of], offset.any()
-        pose, by_twist = np.zeros((2, len(instants), len(stations), 6))
-
-        def by(name: str) -> Floats | None:
-            values = self.weights.get(name)
-            return None if values is None else values[np.ix_(instants, stations)]
-
-        if (position := by("position")) is not None:
-            pushed = np.einsum("ksji,ksj->ksi", R, position)
-            pose[..., :3] += pushed
-            if apart:
-                pose[..., 3:] += np.cross(offset, pushed)
-        if (rotation := by("rotation")) is not None:
-            whole = product(q, np.broadcast_to(turn, q.shape))
-            stored = self.stored[np.ix_(instants, stations)]
-            sign = np.sign(np.sum(whole * stored, axis=-1, keepdims=True))
-            # sign * q (0, theta)/2 turn
-            back = product(product(conjugate(q), sign * rotation), np.broadcast_to(conjugate(turn), q.shape))
-            pose[..., 3:] += 0.5 * back[..., 1:]
-        # velocities of a place that turns with its node, in the axes of the node and of the place
-        if (velocity := by("velocity")) is not None:
-            pushed = np.einsum("ksji,ksj->ksi", R, velocity)
-            speed = twist[..., :3] + np.cross(twist[..., 3:], offset) if apart else twist[..., :3]
-            pose[..., 3:] += np.cross(speed, pushed)
-            by_twist[..., :3] += pushed
-            if apart:
-                by_twist[..., 3:] += np.cross(offset, pushed)
-        if (spin := by("angular_velocity")) is not None:
-            by_twist[..., 3:] += np.einsum("sij,ksj->ksi", matrices(turn), spin)
-        gathered = (self._of == np.arange(len(self._nodes))[:, None]).astype(float)
-        return _Nodal(*(np.einsum("ms,ksi->kmi", gathered, by) for by in (pose, by_twist)))
+        pose, by_twist = np.empty((2, len(instants), len(self._nodes), 6))
+        offset, turn = self.reader.places
+        given = self._stations, self._of, offset, turn, self.stored, self._seen, q, twist
+        self._look_at.call(instants, *given, pose, by_twist)
+        return _Nodal(pose, by_twist)
 
     def value(self, reader: StationReader) -> float:
         """Return the sum of the weights times what another reader reads of the states that were seen.

@@ -17,7 +17,7 @@ from viscorod.solve.linear.transposed import substitute_transposed
 from viscorod.solve.sensitivity.stage_maps import add_balances_transposed, follow_twists_transposed
 from viscorod.typing import Floats, Integers
 
-__all__ = ["Preconditioner", "StageSystem", "Workspace", "solve_transposed"]
+__all__ = ["Preconditioner", "StageSystem", "Workspace", "solve_transposed", "through_twists"]
 
 
 class StageSystem(NamedTuple):
@@ -141,6 +141,58 @@ def _apply(
                 for a in range(6):
                     twist[j, k, a] += rate * acceleration[i, k, a]
     follow_twists_transposed(system.rates, system.tangent, system.back, system.turning, twist, scratch, out)
+
+
+@kernel
+def through_twists(
+    system: StageSystem,
+    weights: Floats,
+    carry: Floats,
+    held: Floats,
+    y: Floats,
+    work: Workspace,
+    pose: Floats,
+    twist: Floats,
+) -> None:
+    """Write what a function owes to the start of a step, ``pose, twist (n, 6)``, through the twists of its stages.
+
+    Args:
+        weights: derivatives of the function by the twists of the stages ``(s, n, 6)``.
+        carry: maps of increments at the start ``(s, n, 6, 6)``; held: nodes whose poses are prescribed ``(n,)``.
+        y: derivatives by the balances ``(s, N, 6)``.
+    """
+    by_twist, by_acceleration, unused, scratch = work.twist, work.acceleration, work.vector, work.scratch
+    stages, nodes = by_twist.shape[0], by_twist.shape[1]
+    for s in range(stages):
+        for n in range(nodes):
+            for a in range(6):
+                by_twist[s, n, a] = weights[s, n, a]
+                by_acceleration[s, n, a] = 0.0
+    add_balances_transposed(
+        system.rows, system.columns, system.K, system.C, system.mass, y, unused, by_twist, by_acceleration
+    )
+    for n in range(nodes):
+        for a in range(6):
+            total = 0.0
+            for i in range(stages):
+                for j in range(stages):
+                    total += system.rates[i, j] * by_acceleration[i, n, a]
+                    by_twist[j, n, a] += system.rates[i, j] * by_acceleration[i, n, a]
+            twist[n, a] = 0.0 if held[n] != 0.0 else -total
+            pose[n, a] = 0.0
+    for s in range(stages):
+        for n in range(unused.shape[1]):
+            for a in range(6):
+                unused[s, n, a] = 0.0
+    follow_twists_transposed(
+        system.rates, system.tangent, system.back, system.turning, by_twist, scratch, unused
+    )
+    for n in range(nodes):
+        if held[n] == 0.0:
+            for s in range(stages):
+                for i in range(6):
+                    for j in range(6):
+                        pose[n, j] -= carry[s, n, i, j] * unused[s, n, i]
 
 
 @part
