@@ -1,10 +1,10 @@
 """Check the wheels and the sdist in dist/ in environments that hold nothing else.
 
 ``make release`` builds both and runs this. For every Python interpreter named (default: the one that runs this script),
-each wheel is installed into an empty environment with the newest versions of its dependencies, for the oldest of the
-interpreters also with the lowest versions that the wheel declares (the lowest of all is older than the newest Python).
-In each the Python of the README and a shipped case run, from an empty folder. A wheel with machine code is installed
-where its Python is; with the Numba that it was built with, nothing may be compiled.
+each wheel is installed into an empty environment with the newest versions of its dependencies, for the oldest Python
+that it is for also with the lowest versions that the wheel declares (which are older than the newest Python). In each
+the Python of the README and a shipped case run, from an empty folder. A wheel with machine code is installed where its
+Python is; with the Numba that it was built with, nothing may be compiled.
 """
 
 from __future__ import annotations
@@ -42,6 +42,16 @@ def lowest(about: Message) -> list[str]:
             raise SystemExit(f"pyproject.toml: {line!r} has no lower bound, as 'name>=1.2'")
         held.append(f"{found[1]}=={found[2]}.*")
     return held
+
+
+def oldest_python(wheel: Path) -> tuple[int, int]:
+    """Return the oldest Python that a wheel is for, such as (3, 11)."""
+    found = re.fullmatch(r">=(\d+)\.(\d+)", str(metadata(wheel)["Requires-Python"]))
+    if found is None:
+        raise SystemExit(
+            f"pyproject.toml: requires-python = {metadata(wheel)['Requires-Python']!r}, not '>=3.11'"
+        )
+    return int(found[1]), int(found[2])
 
 
 def check_contents(wheel: Path, sdist: Path) -> None:
@@ -135,12 +145,18 @@ def main() -> None:
     options = parser.parse_args()
     wheels, (sdist,) = sorted(options.dist.glob("*.whl")), list(options.dist.glob("*.tar.gz"))
     interpreters = sorted((version(python), python) for python in options.python)
+    lowest_python = oldest_python(wheels[0])
+    if interpreters[0][0] != lowest_python:
+        wanted = "python{}.{}".format(*lowest_python)
+        raise SystemExit(
+            f"name a {wanted}, too: the lowest versions of what viscorod needs are tried with it"
+        )
     for wheel in wheels:
         check_contents(wheel, sdist)
         for (major, minor), python in interpreters:
             if has_machine_code(wheel) and f"-cp{major}{minor}-" not in wheel.name:
                 continue
-            oldest = (major, minor) == interpreters[0][0]
+            oldest = (major, minor) == lowest_python
             for words, held in [("lowest", lowest(metadata(wheel)))] * oldest + [("newest", [])]:
                 print(f"{wheel.name} on {python}, {words} versions", flush=True)
                 check_installed(python, wheel, held)

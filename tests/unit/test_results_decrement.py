@@ -253,3 +253,19 @@ def test_ratios_that_jump_are_taken_as_one():
     assert found.envelope[1] == pytest.approx(0.33, rel=0.1)
     assert "all cycles taken as one" in flat(str(found))
     assert not decrement(*record(0.05)).scattered
+
+
+@pytest.mark.parametrize("end", [3.05, 3.2, 3.45, 3.55])
+def test_a_ripple_at_the_last_maximum_is_no_swing(end):
+    """Two modes without damping, the second with two bumps on every crest: the rest is 0, and so is the damping.
+
+    The last three extremes, all of them at the crest, told a rest of 0.993 and damping ratios of 0.4.
+    """
+    time = np.linspace(0.0, end, 1221)
+    slow, fast = 2.0 * np.pi, 2.0 * np.pi * 15.0
+    value = np.cos(slow * time) - 0.008 * np.cos(fast * time)
+    rate = -slow * np.sin(slow * time) + 0.008 * fast * np.sin(fast * time)
+    assert resting_value(time, value, rate) == 0.0
+    found = decrement(time, value, rate, rest=None)
+    assert found.period == pytest.approx(1.0, rel=0.05)
+    assert found.damping_ratio == pytest.approx(0.0, abs=1e-6)

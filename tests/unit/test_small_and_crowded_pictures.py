@@ -191,3 +191,97 @@ def test_a_section_of_micrometres_is_drawn_in_them():
     axes = model.equilibrium().plot_stress(place="beam.start").axes[0]
     assert axes.get_xlabel() == "d1 [µm]"
     assert axes.get_xlim() == pytest.approx((-5.0, 5.0), rel=0.2)
+
+
+def a_beam():
+    model = vr.Model()
+    material = vr.Material(70e9, 0.3, 2700.0)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.4, 0, 0), section=vr.Rectangle(0.02, 0.002), material=material, elements=2
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    return model
+
+
+def test_modes_of_springs_at_places_swing_in_a_page(tmp_path):
+    """Joint values belong to the state that modes are about, not to their swings: the page asked for them in vain."""
+    model = a_beam()
+    model.spring("beam.end", None, stiffness={"uz": 10.0}, name="soft")
+    path = vr.view(model.modes(2), tmp_path / "modes.html")
+    meta, _ = viewer_pages.parts(path.read_text(encoding="utf-8"))
+    assert not [group["label"] for group in meta["histories"] if "soft" in group["label"]]
+
+
+def test_round_off_is_no_damping_in_the_picture_of_modes():
+    modes = a_beam().modes(1)
+    (s,) = modes.eigenvalues
+    off = np.array([[1e-11 * abs(s), s.imag]])
+    noisy = vr.Modes(modes.data.assign(eigenvalue=(modes.data["eigenvalue"].dims, off)))
+    assert noisy.damping_ratios[0] == pytest.approx(-1e-11, rel=1e-3)
+    assert "damping ratio 0\n" in draw_modes(noisy, noisy).axes[0].get_title("left")
+
+
+def test_four_panels_stand_two_by_two():
+    columns = [axes.get_subplotspec().get_gridspec().ncols for axes in a_beam().modes(4).plot().axes]
+    assert columns == [2] * 4
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_the_legend_of_few_modes_ends_before_the_picture_does(count):
+    picture = a_beam().modes(count).plot()
+    (legend,) = picture.legends
+    box = legend.get_window_extent(picture.canvas.get_renderer())
+    assert box.x1 <= picture.bbox.x1
+    titles = boxes([axes.title for axes in picture.axes], picture)
+    assert box.y0 >= max(title.y1 for title in titles)
+
+
+def test_no_band_is_left_for_a_title_that_there_is_not(tmp_path):
+    """The first row of pixels with ink: both pictures begin with what stands on top of them."""
+    import matplotlib.image
+
+    data = synthetic_results.swing()
+    heights, first = [], []
+    for title in ("A swing", ""):
+        path = tmp_path / f"{len(title)}.png"
+        Run(data.assign_attrs(title=title)).plot(path)
+        pixels = matplotlib.image.imread(path)[..., :3]
+        heights.append(pixels.shape[0])
+        first.append(int(np.flatnonzero((pixels < 0.9).any(axis=(1, 2)))[0]))
+    assert heights[1] < heights[0] - 20
+    assert first[1] < 20
+
+
+def test_the_energies_of_a_single_state_are_a_bar():
+    run = Run(synthetic_results.swing(duration=0.0))
+    picture = run.plot_energy()
+    picture.draw_without_rendering()
+    upper = picture.axes[0]
+    elastic = next(part for part in upper.collections if part.get_label() == "elastic")
+    corners = elastic.get_paths()[0].vertices
+    assert np.ptp(corners[:, 1]) == pytest.approx(upper_scale(upper) * run.energy.elastic[0], rel=1e-12)
+    assert np.ptp(corners[:, 0]) > 0.0
+    assert len(run.plot().axes) == 2  # and no bar of colours for one instant
+
+
+def upper_scale(axes):
+    """The factor from joules to the unit of an axis."""
+    return {"J": 1.0, "mJ": 1e3, "µJ": 1e6}[axes.get_ylabel().partition("[")[2].rstrip("]")]
+
+
+def test_strains_that_rounding_makes_are_not_drawn():
+    """A rod bent into a half circle by a moment at its end is not stretched and not sheared: shown was 1e-8 µm/m."""
+    model = a_beam()
+    model.moment("beam.end", (0, 0, 70e9 * 0.02**3 * 0.002 / 12 * np.pi / 0.4))
+    held = model.equilibrium(load_factors=[0.5, 1.0])
+    assert 0.0 < np.abs(held.data["strain"].values[..., :3]).max() < 1e-12
+    upper = held.plot_strain().axes[0]
+    assert upper.get_ylabel().endswith("[%]")
+    assert all(not np.asarray(line.get_ydata()).any() for line in upper.lines)
+
+
+def test_the_only_speed_of_a_steady_rotation_has_its_unit():
+    steady = a_beam().steady([0.0, 0.0, 5.0])
+    texts = [text.get_text() for axes in steady.plot_strain().axes for text in axes.texts]
+    assert texts == ["at 5 rad/s"]

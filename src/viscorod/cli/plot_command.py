@@ -122,4 +122,4 @@ def _draw_modes(result: Result, target: Path, count: int, about: str | None) -> 
     except InputError as error:
         raise InputError(f"the model in this result cannot be rebuilt for its modes: {error}") from None
     model = as_model(case.description)
-    model.modes(count, about=cast(Any, about or "equilibrium")).plot(target)
+    model.modes(count, about=cast(Any, about or "equilibrium"), title=result.title).plot(target)

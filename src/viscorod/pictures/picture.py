@@ -4,9 +4,10 @@ from __future__ import annotations
 
 import io
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from matplotlib.figure import Figure
+from matplotlib.transforms import Bbox
 
 from viscorod.errors import InputError
 from viscorod.pictures.style import legend_inside, with_prefixes, write
@@ -14,11 +15,22 @@ from viscorod.pictures.style import legend_inside, with_prefixes, write
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-__all__ = ["Picture", "chosen_numbers", "delivered", "within"]
+__all__ = ["Picture", "chosen_numbers", "columns_of", "delivered", "within"]
+
+_EDGE = 0.08
+"""Above what stands on top of a picture without a title [inches]."""
 
 
 class Picture(Figure):
     """A Matplotlib figure that pyplot does not know of, so that nothing has to close it."""
+
+    def savefig(self, fname: Any, *, transparent: bool | None = None, **kwargs: Any) -> None:
+        """Write the picture as Matplotlib does; without a title, the band that is left for one is cut away."""
+        if not self.get_suptitle() and kwargs.get("bbox_inches") is None:
+            width, height = self.get_size_inches()
+            top = min(height, self.get_tightbbox().y1 + _EDGE)
+            kwargs["bbox_inches"] = Bbox([[0.0, 0.0], [width, top]])
+        super().savefig(fname, transparent=transparent, **kwargs)
 
     def _repr_png_(self) -> bytes:
         """Return what a notebook shows."""
@@ -75,3 +87,8 @@ def chosen_numbers(
     if number is not None or ax is not None:
         return [number - 1 if number else 0][:known]
     return list(range(min(count or known, known)))
+
+
+def columns_of(panels: int) -> int:
+    """Return in how many columns panels stand: four of them two by two, others up to three beside each other."""
+    return 2 if panels == 4 else max(min(panels, 3), 1)

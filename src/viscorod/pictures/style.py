@@ -29,6 +29,8 @@ TEXT, SMALL = 11.0, 9.5
 MINUS = "\N{MINUS SIGN}"
 _LETTER = 0.62
 """Width of a letter over its size, on average."""
+_HANDLE = 4.8
+"""Width of the sample line of a legend and of the gaps around it, over the size of the letters."""
 _UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
 """Of the axes that get a prefix."""
 DPI = 120
@@ -60,15 +62,25 @@ def legend_of_all(picture: Figure, height: float) -> None:
     """Put what the first panel names, without shadows, above all panels of a picture [inches]."""
     handles, labels = picture.axes[0].get_legend_handles_labels()
     wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
+    named = [labels[k] for k in wanted]
     picture.legend(
         [handles[k] for k in wanted],
-        [labels[k] for k in wanted],
+        named,
         loc="upper left",
         bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
-        ncols=5,
+        ncols=_columns_within(named, picture.get_figwidth()),
         frameon=False,
         fontsize=SMALL,
     )
+
+
+def _columns_within(labels: list[str], width: float) -> int:
+    """Return in how many columns, five at most, the entries of a legend fit into a width [inches]."""
+    for columns in range(5, 1, -1):
+        longest = [max(map(len, part)) for k in range(columns) if (part := labels[k::columns])]
+        if SMALL * sum(_LETTER * letters + _HANDLE for letters in longest) <= 72.0 * width:
+            return columns
+    return 1
 
 
 def titled(result: Result, width: float, height: float) -> Figure:

@@ -146,6 +146,6 @@ class Energy(Shown, Alike):
         for name, amount, part in zip(values, amounts, parts, strict=True):
             told = f"{part:>{narrow}s} of what moved" if part else ""
             lines.append(f"  {name:<28s}{amount:>{wide}s} {unit}{told}")
-        most = f"{100.0 * self.numerical_fraction:.3g} %"
+        most = f"{number(100.0 * self.numerical_fraction, 3)} %"
         lines.append(f"  largest numerical remainder: {most} of what moved")
         return "\n".join(lines)

@@ -10,17 +10,19 @@ _STANDSTILL = 1e-6  # initial speed below this part of the largest: released fro
 _SYMMETRIC = 0.02  # a rest closer to zero than this part of the last amplitude is taken as zero
 _STILL = 0.02  # a rest that moves less than this part of what the amplitude loses, over the last cycle, is constant
 _MOST = 0.5  # part of all extremes in which the rest creeps one way: that of a ripple on a slower swing turns
+_LAST = 1000  # extremes at the end among which those of the swing are looked for
+_RIPPLE = 0.1  # of a swing beside it, below which an extreme is that of a ripple
 _ONE_WAY = 6  # so many rests of successive extremes move one way where it creeps: three cycles of maxima
 
 
 def resting_value(time: Floats, value: Floats, rate: Floats) -> float:
     """Estimate the displacement about which a motion swings [m] from its last three extremes.
 
-    Extremes of a linear decay are ``rest + a (-q)^k``, which three of them determine. Values close to zero
-    against the last amplitude become zero; with fewer than three extremes the answer is zero.
+    Extremes of a linear decay are ``rest + a (-q)^k``, which three of them determine; those of ripples on it are left
+    out. Values close to zero against the last amplitude become zero; with fewer than three extremes the answer is zero.
     """
-    last = extremes(time, value, rate)[1][-3:]
-    if last.size < 3:
+    last = _without_ripples(extremes(time, value, rate)[1][-_LAST:])[-3:]
+    if len(last) < 3:
         return 0.0
     a, b, c = last
     curvature = (c - b) - (b - a)
@@ -28,6 +30,25 @@ def resting_value(time: Floats, value: Floats, rate: Floats) -> float:
         return 0.0
     rest = float(c - (c - b) ** 2 / curvature)
     return 0.0 if abs(rest) < _SYMMETRIC * abs(c - rest) else rest
+
+
+def _without_ripples(values: Floats) -> list[float]:
+    """Return successive extremes without those of ripples: what turns back within a tenth of a swing beside it.
+
+    These are closed cycles of rainflow counting, but small ones only; at the end of the record the cycle need not be
+    closed. A swing of a single decay is more than a tenth of the one before up to the damping ratio 0.59.
+    """
+    kept: list[float] = []
+    for value in values.tolist():
+        kept.append(value)
+        while len(kept) > 3:
+            before, inner, after = np.abs(np.diff(kept[-4:]))
+            if inner >= _RIPPLE * max(before, after):
+                break
+            del kept[-3:-1]
+    while len(kept) > 3 and abs(kept[-1] - kept[-2]) < _RIPPLE * abs(kept[-2] - kept[-3]):
+        del kept[-1]
+    return kept
 
 
 def creeping_rest(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats, Floats] | None:

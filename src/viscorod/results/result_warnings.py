@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.results.array_pieces import extremes
 from viscorod.results.step_error import motion_doubt
+from viscorod.results.text_numbers import number
 from viscorod.results.validity import SMALL_STRAIN
 from viscorod.typing import Floats
 
@@ -60,8 +61,8 @@ def _mode_warnings(result: Result) -> list[str]:
     gap = float(attrs.get("modes_motion_gap", 0.0))
     if gap > _MODES:
         texts.append(
-            f"in {attrs['modes_fewer']} modes the motion differs by {100.0 * gap:.2g} % of the largest displacement "
-            f"from that in {attrs['modes']}: use more modes"
+            f"in {attrs['modes_fewer']} modes the motion differs by {number(100.0 * gap, 2)} % of the largest "
+            f"displacement from that in {attrs['modes']}: use more modes"
         )
     opened = float(attrs.get("modes_open", 0.0)) / float(attrs.get("scale_length", 1.0))
     if opened > _OPEN:
@@ -85,7 +86,7 @@ def energy_doubt(data: xr.Dataset) -> str:
     setting = "tolerance" if "tolerance" in data.attrs else "time_step"
     used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
     return (
-        f"the numerical remainder of the energy account reaches {100.0 * fraction:.2g} % "
+        f"the numerical remainder of the energy account reaches {number(100.0 * fraction, 2)} % "
         f"of the energy that moved; use a smaller {setting}{used}"
     )
 
@@ -99,13 +100,13 @@ def _mesh_warnings(result: Result) -> list[str]:
     if motion > _MESH and worst[1] > float(attrs.get("tolerance", 0.0)):
         rod = worst[0]
         texts.append(
-            f"positions may be off by {100.0 * motion:.2g} % of the largest displacement, most in rod {rod!r}, whose "
-            "mesh is coarse for this; use more elements or a higher order"
+            f"positions may be off by {number(100.0 * motion, 2)} % of the largest displacement, most in rod "
+            f"{rod!r}, whose mesh is coarse for this; use more elements or a higher order"
         )
     if force > _FORCE:
         texts.append(
-            f"section forces may be off by {100.0 * force:.2g} % of the largest, because the mesh is coarse for them; "
-            "use more elements or a higher order"
+            f"section forces may be off by {number(100.0 * force, 2)} % of the largest, because the mesh is coarse for "
+            "them; use more elements or a higher order"
         )
     if attrs.get("mesh_lost") and (result.dimension == "load_factor" or not result.mesh_errors):
         texts.append(

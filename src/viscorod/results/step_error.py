@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+from viscorod.results.text_numbers import number, quantity
+
 __all__ = ["KINDS", "force_doubt", "motion_doubt", "step_errors"]
 
 KINDS = {"position": "m", "rotation": "rad", "section_force": "N", "section_moment": "N m"}
@@ -36,8 +38,9 @@ def motion_doubt(attrs: Mapping[str, Any]) -> str:
     if float(attrs.get("step_motion_error", 0.0)) <= MOTION:
         return ""
     return (
-        f"the steps may leave positions off by {attrs['step_position_error']:.2g} m and rotations by "
-        f"{attrs['step_rotation_error']:.2g} rad, {100.0 * attrs['step_motion_error']:.2g} % of the motion; "
+        f"the steps may leave positions off by {quantity(attrs['step_position_error'], 'm', 2)} and rotations by "
+        f"{quantity(attrs['step_rotation_error'], 'rad', 2)}, {number(100.0 * attrs['step_motion_error'], 2)} % of the "
+        "motion; "
         f"use {_smaller(attrs)}"
     )
 
@@ -51,8 +54,8 @@ def force_doubt(attrs: Mapping[str, Any]) -> str:
     if error <= FORCE:
         return ""
     return (
-        f"the steps may leave section forces off by {100.0 * error:.2g} % of the largest, where fast vibrations carry "
-        f"them; use {_smaller(attrs)}, or damping"
+        f"the steps may leave section forces off by {number(100.0 * error, 2)} % of the largest, where fast vibrations "
+        f"carry them; use {_smaller(attrs)}, or damping"
     )
 
 

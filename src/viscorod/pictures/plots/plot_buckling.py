@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.pictures.picture import chosen_numbers, within
+from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.style import BLUE, GREY, SMALL, legend_of_all, titled
 
@@ -20,7 +20,6 @@ __all__ = ["draw_buckling"]
 
 SIZE = 0.2
 """Largest displacement that is drawn, as a part of the model."""
-COLUMNS = 3
 
 
 def draw_buckling(
@@ -38,7 +37,7 @@ def draw_buckling(
     factors, positions = result.load_factors, result.positions
     drawn = chosen_numbers(len(factors), count, number, ax, "critical load")
     count = len(drawn)
-    columns = min(COLUMNS, max(count, 1))
+    columns = columns_of(count)
     rows = max(-(-count // columns), 1)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
     if ax is None:

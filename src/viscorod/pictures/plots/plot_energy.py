@@ -24,7 +24,7 @@ from viscorod.pictures.style import (
     headline,
     legend_above,
 )
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import number, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from viscorod.results.run import Run
 
 _ROUND_OFF = 1e-14  # percent
+_BAR = 0.1  # half the width of the bar of a single state
 
 
 def gravity_potential(run: Run) -> Floats | None:
@@ -71,6 +72,13 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
     scale, unit = scaled("J", np.maximum(top, supplied))
     clock, second = scaled("s", energy.time)
     time = clock * energy.time
+    if time.size == 1:  # a state is no line: its energies become a bar
+        time = time + np.array([-_BAR, _BAR])
+        parts, top, supplied = (
+            [np.repeat(part, 2) for part in parts],
+            np.repeat(top, 2),
+            np.repeat(supplied, 2),
+        )
     if ax is None:
         picture = figure(10.0, 6.8)
         if run.title:
@@ -98,12 +106,15 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
         linewidth=1.4,
         label="initial energy + work done",
     )
-    potential = gravity_potential(run)
+    potential = gravity_potential(run) if energy.time.size > 1 else None
     if potential is not None:
         name = "potential of gravity, from its start"
         upper.plot(time, scale * potential, color=PURPLE, linewidth=1.4, linestyle="-.", label=name)
-    if time.size > 1:
+    if energy.time.size > 1:
         upper.set_xlim(time[0], time[-1])
+    else:
+        upper.set_xlim(*(5.0 * (time - time.mean()) + time.mean()))
+        upper.set_xticks([time.mean()])
     lowest = min(float(supplied.min()), 0.0 if potential is None else float(potential.min()))
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * lowest))
     one_row = len(names) == 3 and potential is None
@@ -119,7 +130,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
         percent = np.maximum(100.0 * np.abs(energy.numerical) / moved, _ROUND_OFF)
         shown = energy.numerical != 0.0  # the start has none, which no logarithm shows
         alone = "o" if percent.size == 1 else None
-        lower.semilogy(time[shown], percent[shown], color=RED, linewidth=1.4, marker=alone)
+        lower.semilogy(clock * energy.time[shown], percent[shown], color=RED, linewidth=1.4, marker=alone)
         lower.minorticks_off()
         lower.yaxis.set_major_formatter("{x:g}")
         lower.axhline(1.0, color=GREY, linestyle="--", linewidth=1.2)
@@ -135,7 +146,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
         )
         typical = float(np.median(percent))
         lower.set_ylim(max(_ROUND_OFF, min(0.1, 1e-3 * typical)), max(10.0, 3.0 * float(percent.max())))
-        most = f"at most {100.0 * energy.numerical_fraction:.2g} %"
+        most = f"at most {number(100.0 * energy.numerical_fraction, 2)} %"
         text = f"Numerical remainder: {most} of the {scale * moved:.4g} {unit} that moved"
     else:
         text = "Nothing moved"

@@ -8,12 +8,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import product
-from viscorod.pictures.picture import chosen_numbers, within
+from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, legend_of_all, titled
+from viscorod.results.text_numbers import above_rounding, quantity
 from viscorod.results.text_numbers import number as text_of
-from viscorod.results.text_numbers import quantity
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
     from viscorod.solve.modes import vibrations
 
 _SIZE = 0.15  # of the largest displacement, as a part of the model
-_COLUMNS = 3
 _WIDTH = 44  # letters of a title
 
 
@@ -49,7 +48,7 @@ def draw_modes(
     base = modes.positions
     drawn = chosen_numbers(len(modes.frequencies), count, number, ax, "mode")
     count = len(drawn)
-    columns = max(min(_COLUMNS, count), 1)
+    columns = columns_of(count)
     rows = max(-(-count // columns), 1)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
     if ax is None:
@@ -106,7 +105,8 @@ def after_turn(rotations: Floats, turn: Floats) -> Floats:
 
 
 def _name(k: int, modes: Modes | vibrations.Modes) -> str:
-    eigenvalue, ratio, name = modes.eigenvalues[k], modes.damping_ratios[k], modes.names[k]
+    eigenvalue, name = modes.eigenvalues[k], modes.names[k]
+    ratio = float(above_rounding(modes.damping_ratios[k]))
     title = f"{fill(f'{k + 1}: {name}', _WIDTH)}\n"
     if k < modes.rigid:
         return f"{title}nothing resists it"

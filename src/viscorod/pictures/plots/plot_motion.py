@@ -179,11 +179,12 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     for shift in shifts if coiled else shifts[:1]:
         mark_supports(axes, view, run, positions[0] + shift)
     view.finish(axes, headroom=0.3 if coiled else 0.0)
-    clock, second = scaled("s", times)
-    shown = Normalize(clock * start, clock * last)
-    bar = picture.colorbar(ScalarMappable(shown, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
-    bar.set_label(f"time [{second}]", fontsize=TEXT)
-    bar.ax.tick_params(labelsize=SMALL)
+    if times.size > 1:
+        clock, second = scaled("s", times)
+        shown = Normalize(clock * start, clock * last)
+        bar = picture.colorbar(ScalarMappable(shown, colours), ax=axes, shrink=0.85, aspect=28, pad=0.03)
+        bar.set_label(f"time [{second}]", fontsize=TEXT)
+        bar.ax.tick_params(labelsize=SMALL)
     legend_over(axes, 4)
 
 

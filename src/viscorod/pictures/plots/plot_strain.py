@@ -24,7 +24,7 @@ from viscorod.pictures.style import (
 from viscorod.results.array_pieces import extremes, largest
 from viscorod.results.components import STRAINS, Component, chosen_component
 from viscorod.results.run import Run
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import quantity, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -37,7 +37,11 @@ _INSTANTS, _ALONG = 9, 120  # profiles, points along a rod
 _TIMES, _PLACES = 600, 120  # of an image
 _MOST_RODS = 4  # below each other
 
+_ROUND_OFF = 1e-12
+"""Strains, and turns along a whole rod [rad], that are none."""
 _LEVELS = {"load_factor": "load factor", "spin": "angular speed [rad/s]"}
+_AT = {"load_factor": ("load factor", ""), "spin": ("at", "rad/s"), "time": ("at", "s")}
+"""What is said of the only state that there is, and the unit of its level."""
 
 
 def draw_strain(
@@ -62,7 +66,7 @@ def draw_strain(
     several = level.size > 1
     grid = picture.add_gridspec(2 if several else 1, 2, height_ratios=(1.0, 1.15) if several else None)
     if several:
-        size = largest(result, "strain")
+        size = _above_round_off(result, largest(result, "strain"))
         for column, words in enumerate((list(STRAINS)[:3], list(STRAINS)[3:])):
             axes = picture.add_subplot(grid[0, column])
             first = 3 * column
@@ -173,23 +177,28 @@ def _profiles(axes: Axes, result: Result, shown: Component, rod: str) -> None:
     for at, profile in zip(levels, values, strict=True):
         axes.plot(reach * s, scale * profile, color=colours(span(at)), linewidth=1.6)
     axes.margins(x=0.01)
-    word = result.dimension.replace("_", " ")
-    heading(
-        axes,
-        f"{shown.name.capitalize()} at {len(levels)} instants" if word == "time" else shown.name.capitalize(),
-    )
+    instants = f" at {len(levels)} instants" if result.dimension == "time" and len(levels) > 1 else ""
+    heading(axes, f"{shown.name.capitalize()}{instants}")
     if len(levels) > 1:
         shown_span = Normalize(clock * first, clock * last)
         colour_bar(axes.figure, axes, ScalarMappable(shown_span, colours), along)
     else:
+        said, unit = _AT[result.dimension]
         axes.annotate(
-            f"{word} {levels[0]:.3g}",
+            f"{said} {quantity(float(levels[0]), unit, 4)}",
             (1.0, 1.0),
             xycoords="axes fraction",
             ha="right",
             va="bottom",
             fontsize=SMALL,
         )
+
+
+def _above_round_off(result: Result, sizes: Floats) -> Floats:
+    """Return strains and curvatures ``(states, 6)`` with 0 in place of what rounding of positions leaves of them."""
+    length = float(np.abs(result.data["point_s"].values).max(initial=0.0)) or 1.0
+    noise = np.repeat([_ROUND_OFF, _ROUND_OFF / length], 3)
+    return np.where(sizes < noise, 0.0, sizes)
 
 
 def _percent(values: Floats) -> tuple[float, str]:

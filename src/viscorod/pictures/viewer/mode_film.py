@@ -13,7 +13,7 @@ from viscorod.results.buckling import Buckling
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.modes_result import Modes
 from viscorod.results.steady_result import Steady
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import above_rounding, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -67,7 +67,7 @@ def film_of(result: Filmed) -> Film:
         s, hertz = complex(modes.eigenvalues[k]), float(modes.frequencies[k])
         swings = abs(s.imag) > 1e-9 * abs(s) or abs(s) == 0.0
         ratio: float | str = (
-            "" if hertz == 0.0 else float(modes.damping_ratios[k]) if swings else "overdamped"
+            "" if hertz == 0.0 else float(above_rounding(modes.damping_ratios[k])) if swings else "overdamped"
         )
         told.append({"name": str(name), "cells": [scale * hertz, ratio]})
     around = np.broadcast_to(modes.positions, modes.shapes.shape)
@@ -129,7 +129,8 @@ def _states(result: Filmed, positions: Floats, rotations: Floats) -> xr.Dataset:
     moving = [
         name
         for name, variable in data.variables.items()
-        if {result.dimension, "small_motion", "point", "critical", "linear"} & set(variable.dims)
+        if {result.dimension, "small_motion", "point", "critical", "linear", "joint_coordinate"}
+        & set(variable.dims)
         or name == "part"
     ]
     kept = data.drop_vars(moving)

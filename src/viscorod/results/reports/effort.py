@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from viscorod.results.data_schema import COUNTERS
 from viscorod.results.step_error import step_errors
-from viscorod.results.text_numbers import quantity
+from viscorod.results.text_numbers import number, quantity
 
 if TYPE_CHECKING:
     from viscorod.results.result import Result
@@ -78,13 +78,13 @@ def _mesh(result: Result) -> str:
         for rod in list(result.mesh_errors)[:MOST_NAMES]
     ]
     more = len(result.mesh_errors) - len(meshes)
-    errors = [f"positions by {max(result.mesh_errors.values()):.1g} of the length of a rod"]
+    errors = [f"positions by {number(max(result.mesh_errors.values()), 1)} of the length of a rod"]
     for name, what in (
         ("motion", "{} of the largest displacement"),
         ("force", "section forces by {} of the largest"),
     ):
         if f"mesh_{name}_error" in data.attrs:
-            errors.append(what.format(f"{data.attrs[f'mesh_{name}_error']:.1g}"))
+            errors.append(what.format(number(data.attrs[f"mesh_{name}_error"], 1)))
     return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
 
 
@@ -93,8 +93,8 @@ def _steps(attrs: Mapping[str, Any]) -> str:
     found = step_errors(attrs)
     return (
         f"Steps: estimated errors: positions by {quantity(found['position'], 'm', 1)}, rotations by "
-        f"{quantity(found['rotation'], 'rad', 1)}, {attrs['step_motion_error']:.1g} of the motion, section forces by "
-        f"{attrs['step_force_error']:.1g} of the largest"
+        f"{quantity(found['rotation'], 'rad', 1)}, {number(attrs['step_motion_error'], 1)} of the motion, "
+        f"section forces by {number(attrs['step_force_error'], 1)} of the largest"
     )
 
 
