@@ -23,8 +23,9 @@ from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset
+from viscorod.results.dataset import dataset, state_arrays
 from viscorod.results.result_places import ResultPlace, ResultPlaces
+from viscorod.results.state_arrays import StateArrays
 from viscorod.solve.constraints.free_motion import FreeMotion
 from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.constraints.redundancy import require_independent
@@ -294,9 +295,14 @@ class DiscreteModel:
         )
 
     def data_set(self, kind: str, history: History, attrs: dict[str, Any]) -> Callable[[], xr.Dataset]:
-        """Return what builds the data set of a history; building it takes half as long as a small equilibrium."""
+        """Return what builds the data set of a history."""
         complete = self.complete(attrs)
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), history, complete)
+
+    def arrays(self, kind: str, history: History, attrs: dict[str, Any]) -> Callable[[], StateArrays]:
+        """Return what makes the arrays of a history; as a data set they take half as long as a small equilibrium."""
+        complete = self.complete(attrs)
+        return partial(state_arrays, kind, self.problem, self.system.gauss_positions(), history, complete)
 
     @property
     def _energy_scale(self) -> float:

@@ -179,7 +179,7 @@ class _Equilibrium:
         } | more
         if len(self.stages) > 1:
             attrs["stage_ends"] = json.dumps(self.ends)
-        return Equilibrium.later(discrete.data_set("equilibrium", self.history, attrs))
+        return Equilibrium.later(discrete.arrays("equilibrium", self.history, attrs))
 
 
 def require_no_initial_strain(discrete: DiscreteModel) -> None:

@@ -79,7 +79,9 @@ class Search:
             if self.steps.outcome is Outcome.INTERRUPTED:
                 return False
             if self.steps.outcome is Outcome.COMPLETED:
-                self.stability = stability_of(static, state, before=self.before, scale=self.factor)
+                self.stability = stability_of(
+                    static, state, before=self.before, scale=self.factor, solved=True
+                )
                 loads = static.loads.at(0.0, self.before, self.factor)
                 self._restore(state)
                 self.wound = self.stability.unstable > 0 and not self.forced and self._is_wound()

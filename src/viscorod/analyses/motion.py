@@ -17,12 +17,13 @@ from viscorod.analyses.motion_start import held_part, initial_state, small_motio
 from viscorod.analyses.motion_stepping import halved_steps, integrates_strains, integrator_makers, stepping
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
-from viscorod.results.dataset import dataset
+from viscorod.results.dataset import state_arrays
 from viscorod.results.files.gathered import Gathered
 from viscorod.results.files.storage import read
 from viscorod.results.files.stream import JournalStream, Stream
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
+from viscorod.results.state_arrays import StateArrays
 from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
@@ -50,8 +51,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     labels = discrete.attributes | {"settings": json.dumps(settings.to_dict())}
 
     def build(history: History) -> xr.Dataset:
-        data = dataset("simulate", discrete.problem, discrete.system.gauss_positions(), history, labels)
-        return annotated(data, "simulate", own=True)
+        return annotated(_arrays(discrete, history, labels).data_set(), "simulate", own=True)
 
     integrated = integrates_strains(settings)
     if options.folder is None:
@@ -174,21 +174,34 @@ def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, i
     if interrupted:  # it goes on from the disk
         stream.flush()
     written = stream if isinstance(stream, JournalStream) else None
-    data = stream.in_memory()
-    if data is not None:
+    if stream.whole:
+        stream.truncate(len(stream.instant))  # an interrupt may have left a part of another one
+        about = discrete.attributes | {"settings": attrs["settings"]} | discrete.complete(attrs)
+        arrays = _arrays(discrete, stream, about)
+        run = Run.later(lambda: arrays)
+        tell(arrays.attrs, energy_doubt(arrays))
+        if written is not None:
+            written.write(run.data)
+        return run
+    if written is None:
+        stream.flush()
+        data = stream.contents()
         data.attrs.update(discrete.complete(attrs))
         run = Run.owning(data)
         if not interrupted:
             tell(run.data.attrs, energy_doubt(run.data))
-        if written is not None:
-            written.write(run.data)
         return run
-    assert written is not None
+    written.flush()
     # a motion that was streamed is a file then, with a journal beside it where it can still go on
     keep(attrs, written.doubt)
     if not interrupted:
         tell(attrs, energy_doubt(written.contents().assign_attrs(attrs)))
     return Run(read(written.finish(discrete.complete(attrs), keep=interrupted)))
+
+
+def _arrays(discrete: DiscreteModel, history: History, attrs: dict[str, Any]) -> StateArrays:
+    """Return the arrays of a motion, which are copies of what a history recorded."""
+    return state_arrays("simulate", discrete.problem, discrete.system.gauss_positions(), history, attrs)
 
 
 class _Noted:

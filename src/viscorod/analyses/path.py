@@ -86,7 +86,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     found = None
     if path.count:
         attrs |= stability_attributes(last[-1], inertia_known=discrete.inertia_known)
-        found = Equilibrium.later(discrete.data_set("equilibrium", history, attrs))
+        found = Equilibrium.later(discrete.arrays("equilibrium", history, attrs))
     if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
         raise SolveError(attrs["message"], found)
     return found

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,9 +10,10 @@ from viscorod.mechanics.elements.section_laws import POWER
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
+from viscorod.results.state_arrays import StateArrays
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
-from viscorod.solve.history import History, Snapshots, StationReader
+from viscorod.solve.history import History, Snapshots, StationReader, station_reader
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
@@ -28,7 +28,14 @@ AT_ONCE = 4096
 def dataset(
     kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
 ) -> xr.Dataset:
-    """Arrange a history as the data set of a result that has states.
+    """Arrange a history as the data set of a result that has states; see :func:`state_arrays`."""
+    return state_arrays(kind, problem, gauss, history, attrs).data_set()
+
+
+def state_arrays(
+    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
+) -> StateArrays:
+    """Arrange a history as the arrays of a result that has states.
 
     Args:
         kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
@@ -36,14 +43,8 @@ def dataset(
         history: recorded states.
         attrs: attributes of the whole data set (see ``schema``).
     """
-    import xarray as xr
-
-    variables, coordinates, places = _content(kind, problem, gauss, history)
-    return xr.Dataset(
-        variables,
-        _indexed(coordinates, places, (DIMENSION[kind], np.array(history.instant))),
-        attrs={"kind": kind, **attrs},
-    )
+    content = _content(kind, problem, gauss, history)
+    return StateArrays(*content, (DIMENSION[kind], np.array(history.instant)), {"kind": kind, **attrs})
 
 
 def dataset_beside(
@@ -72,7 +73,7 @@ def _content(
 ) -> tuple[dict[str, Any], dict[str, Any], dict[str, tuple[str, ...]]]:
     """Return variables, coordinates along stations, points and others, and dimensions whose places have names."""
     along = DIMENSION[kind]
-    reader = StationReader(problem)
+    reader = station_reader(problem)
     r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
     recorded, (energy, branch_loss) = history.states(), history.energies()
     r, q, twist = recorded.r, recorded.q, recorded.twist
@@ -183,42 +184,6 @@ def _joints(along: str, problem: Problem, states: JointState | None) -> tuple[di
         "joint_motion": (where, np.array(joints.words)),
         "joint_held": (where, joints.arrays.place >= 0),
     }
-
-
-def _indexed(
-    coordinates: dict[str, Any], places: dict[str, tuple[str, ...]], levels: tuple[str, Floats]
-) -> xr.Coordinates:
-    """Return all coordinates; the indexes of places that have names are made once for all results.
-
-    Args:
-        coordinates: along stations, points and others; places: names along a dimension; levels: the dimension of the
-            states, and where they are.
-    """
-    import xarray as xr
-
-    known = {name: _names(name, names) for name, names in places.items()}
-    known[levels[0]] = _index(*levels)
-    variables: dict[str, Any] = {name: variable.copy(deep=False) for name, (_, variable) in known.items()}
-    variables |= {name: xr.Variable(*given) for name, given in coordinates.items()}
-    return xr.Coordinates(variables, {name: index for name, (index, _) in known.items()})
-
-
-def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:
-    """Return the index of a dimension, and its coordinate."""
-    import pandas as pd
-    from xarray.indexes import (
-        PandasIndex,  # a module that early versions of xarray do not import by themselves
-    )
-
-    # of an array xarray would look whether it is one of Pint's, and import that
-    index = PandasIndex(pd.Index(values), name, coord_dtype=values.dtype)
-    return index, index.create_variables()[name]
-
-
-@lru_cache
-def _names(dimension: str, names: tuple[str, ...]) -> tuple[Any, xr.Variable]:
-    """Return the index of a dimension whose places have names, and its coordinate."""
-    return _index(dimension, np.array(names))
 
 
 def _momenta(problem: Problem, r: Floats, q: Floats, twist: Floats) -> Floats:

@@ -23,9 +23,8 @@ from viscorod.results.result_places import by_name, lagrange_weights
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from viscorod.results.result_places import ResultPlace, ResultPlaces
+    from viscorod.results.state_arrays import Stored
 
 
 @dataclass(frozen=True)
@@ -104,7 +103,7 @@ class Stencil:
     groups: tuple[ElementPoints, ...]
 
     @classmethod
-    def of(cls, data: xr.Dataset, sites: ResultPlaces, chosen: Sequence[ResultPlace]) -> Stencil:
+    def of(cls, data: Stored, sites: ResultPlaces, chosen: Sequence[ResultPlace]) -> Stencil:
         """Find the elements of places on rods; where two elements meet it is the one that begins there."""
         points_of = (
             by_name(np.asarray(data["point_rod"].values, dtype=str)) if "point_rod" in data.coords else {}
@@ -156,9 +155,7 @@ class _Elements:
     point_s: Floats
 
     @classmethod
-    def of(
-        cls, data: xr.Dataset, sites: ResultPlaces, rod: str, points_of: Mapping[str, Integers]
-    ) -> _Elements:
+    def of(cls, data: Stored, sites: ResultPlaces, rod: str, points_of: Mapping[str, Integers]) -> _Elements:
         stations = sites.stations(rod)
         order = int(data["station_order"].values[stations[0]])
         s = np.asarray(data["station_s"].values, dtype=float)[stations]

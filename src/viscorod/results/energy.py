@@ -16,7 +16,7 @@ from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from viscorod.results.state_arrays import Stored
 
 _ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there did not move
 _SQUARED_ROUND_OFF = 1e-24
@@ -70,8 +70,8 @@ class Energy(Shown, Alike):
         return drawing.svg()
 
     @classmethod
-    def of(cls, data: xr.Dataset) -> Energy:
-        """Read the account from the data set of a run."""
+    def of(cls, data: Stored) -> Energy:
+        """Read the account from what is stored of a run."""
         names = ("time", "kinetic", "elastic", "viscous", "external", "numerical")
         known = data.variables
         columns = {name: np.asarray(known[name].values, dtype=float) for name in names}

@@ -23,5 +23,5 @@ def mesh_errors(result: RecordedStates) -> dict[str, float]:
     """
     return {
         str(rod): float(error)
-        for rod, error in json.loads(result.data.attrs.get("mesh_errors", "{}")).items()
+        for rod, error in json.loads(result.stored.attrs.get("mesh_errors", "{}")).items()
     }

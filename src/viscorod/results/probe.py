@@ -190,7 +190,7 @@ class PartsRead:
     """Reads the needed parts of the data set only."""
 
     def __init__(self, result: Result, instants: Instants | None) -> None:
-        self.data, self.along, self.instants = result.data, result.dimension, instants
+        self.data, self.along, self.instants = result.stored, result.dimension, instants
 
     def has(self, name: str) -> bool:
         """Return whether the result holds a variable."""
@@ -198,7 +198,8 @@ class PartsRead:
 
     def at(self, name: str, dimension: str, numbers: Integers) -> Floats:
         """Return a variable at some places of a dimension, in the states that are needed."""
-        variable = self.data.variables[name].isel({dimension: numbers})  # a part of a DataArray takes longer
+        whole: Any = self.data.variables[name]
+        variable = whole.isel({dimension: numbers})  # a part of a DataArray takes longer
         if self.instants is not None and self.along in variable.dims:
             return in_states(variable, self.along, self.instants.states)
         return np.asarray(variable.values, dtype=float)
@@ -247,7 +248,7 @@ class _OfRods:
     ) -> None:
         self._read, self._names = PartsRead(result, instants), of_rods
         self._count = len(chosen)
-        self._stencil = Stencil.of(result.data, result.sites, chosen)
+        self._stencil = Stencil.of(result.stored, result.sites, chosen)
 
     def fields(self) -> dict[str, Floats]:
         read, stencil = self._read, self._stencil

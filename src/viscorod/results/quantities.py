@@ -93,7 +93,7 @@ def evaluated(
             numbers[quantity.name] = quantity.of(result)
         except InputError as error:
             wrong.append(f"{quantity.name}: {error}")
-        except Exception as error:  # a user's function may fail for one member; the others keep theirs
+        except (Exception, SystemExit) as error:  # a user's function may fail, or give up, for one member
             let_interrupts_through(error)
             wrong.append(f"{quantity.name}: {type(error).__name__}: {error}")
     return numbers, wrong

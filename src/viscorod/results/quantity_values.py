@@ -79,7 +79,7 @@ def field_value(result: AnyResult, words: tuple[Word, ...]) -> Number:
     head, place, how = str(words[0]), str(words[1]), words[-1]
     component = str(words[2]) if FIELDS[head] else ""
     found: Any = result
-    along: Floats = np.asarray(found.data[found.dimension].values, dtype=float)
+    along: Floats = np.asarray(found.stored[found.dimension].values, dtype=float)
     instants = None
     if head == "reaction":
         values = _reaction(found, place)
@@ -114,10 +114,11 @@ def _at(result: Result, place: str, head: str, instants: Instants | None) -> Flo
 
 
 def _reaction(result: Result, place: str) -> Floats:
-    known = [str(name) for name in result.data["support"].values] if "reaction" in result.data else []
+    stored = result.stored
+    known = [str(name) for name in stored["support"].values] if "reaction" in stored else []
     if place not in known:
         raise InputError(f"{place} has no support; there are {', '.join(known) or 'none'}")
-    values: Floats = result.data["reaction"].values[:, known.index(place)]
+    values: Floats = stored["reaction"].values[:, known.index(place)]
     return values
 
 

@@ -16,6 +16,7 @@ from viscorod.results.array_pieces import extremes
 from viscorod.results.data_schema import AXES, DIMENSION, annotated
 from viscorod.results.mesh_error import mesh_errors
 from viscorod.results.result_places import ResultPlace, ResultPlaces
+from viscorod.results.state_arrays import StateArrays, Stored
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats, Integers
@@ -45,7 +46,7 @@ class RecordedStates(WellNamed, Shown, Alike):
     """A data set with stored states of a model: positions of its stations, and more."""
 
     kind: ClassVar[str]
-    _build: Callable[[], xr.Dataset]
+    _build: Callable[[], Stored]
 
     def __init__(self, data: xr.Dataset) -> None:
         if not hasattr(data, "data_vars"):
@@ -63,8 +64,8 @@ class RecordedStates(WellNamed, Shown, Alike):
         return result
 
     @classmethod
-    def later(cls, build: Callable[[], xr.Dataset]) -> Self:
-        """Return a result whose data set is built on first use; ``build`` must not depend on when."""
+    def later(cls, build: Callable[[], Stored]) -> Self:
+        """Return a result whose arrays, and data set, are built on first use; ``build`` must not depend on when."""
         result = cls.__new__(cls)
         result._build = build
         return result
@@ -72,14 +73,28 @@ class RecordedStates(WellNamed, Shown, Alike):
     @cached_property
     def data(self) -> xr.Dataset:
         """The ``xarray.Dataset`` behind everything; names and units are in ``viscorod.results.data_schema``."""
-        data = annotated(self._build(), self.kind, own=True)
+        made = self._built
+        data = annotated(made.data_set() if isinstance(made, StateArrays) else made, self.kind, own=True)
+        vars(self).pop("_built", None)
         del self._build
         return data
 
     @cached_property
+    def _built(self) -> Stored:
+        return self._build()
+
+    @property
+    def stored(self) -> Stored:
+        """What numbers are read from: the data set, or before it is there the arrays that it will be made of.
+
+        To arrange them as a data set takes several times as long as to read some numbers.
+        """
+        return self.data if "data" in vars(self) else self._built
+
+    @cached_property
     def sites(self) -> ResultPlaces:
         """The stations, by rod and arc length."""
-        return ResultPlaces(self.data)
+        return ResultPlaces(self.stored)
 
     def _content(self) -> Any:
         return self.data
@@ -95,12 +110,12 @@ class RecordedStates(WellNamed, Shown, Alike):
     @property
     def title(self) -> str:
         """Title of the case, empty if it has none."""
-        return str(self.data.attrs.get("title", ""))
+        return str(self.stored.attrs.get("title", ""))
 
     @property
     def outcome(self) -> str:
         """The word "completed", or what stopped the solution."""
-        return str(self.data.attrs.get("outcome", "completed"))
+        return str(self.stored.attrs.get("outcome", "completed"))
 
     def vector(self, site: ResultPlace, quantity: Quantity) -> Floats:
         """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
@@ -123,17 +138,19 @@ class RecordedStates(WellNamed, Shown, Alike):
         Raises:
             InputError: no such quantity.
         """
-        known = ("position", "displacement") + (("velocity",) if "velocity" in self.data else ())
+        stored = self.stored
+        known = ("position", "displacement") + (("velocity",) if "velocity" in stored else ())
         if quantity not in known:
             raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known)}")
         name = "velocity" if quantity == "velocity" else "position"
-        found, reference = self.data.variables[name], self.data.variables["reference_position"]
+        found: Any = stored.variables[name]
+        reference: Any = stored.variables["reference_position"]
         try:
             found = found.isel({self.dimension: states})
             if stations is not None:
                 found, reference = found.isel(station=stations), reference.isel(station=stations)
         except (IndexError, KeyError, TypeError, ValueError) as error:
-            sizes = f"{self.data.sizes[self.dimension]} states and {self.data.sizes['station']} stations"
+            sizes = f"{stored.sizes[self.dimension]} states and {stored.sizes['station']} stations"
             raise InputError(
                 f"states, stations: {states!r}, {stations!r}: these are no numbers of states or stations ({error}); "
                 f"there are {sizes}, numbered from 0"
@@ -147,7 +164,7 @@ class RecordedStates(WellNamed, Shown, Alike):
         from viscorod.solve.stress.recorded_rods import RecordedRods
 
         lengths = {rod: float(self.sites.ends(rod)[1].s) for rod in self.sites.rods}
-        return RecordedRods(self.data.attrs, lengths)
+        return RecordedRods(self.stored.attrs, lengths)
 
     @cached_property
     def displacement_range(self) -> tuple[Floats, Floats]:

@@ -16,7 +16,7 @@ from viscorod.units import si_value
 from viscorod.wording import RefusedError
 
 if TYPE_CHECKING:
-    import xarray as xr
+    from viscorod.results.state_arrays import Stored
 
 _PLACE = re.compile(r"(?P<rod>.+?)(?:\.(?P<end>start|end)|@(?P<s>[^@]+))")
 
@@ -64,7 +64,7 @@ def _in_metres(place: str, text: str) -> float:
 class ResultPlaces:
     """All stations of a data set: those of rods by arc length, and places on rigid bodies."""
 
-    def __init__(self, data: xr.Dataset) -> None:
+    def __init__(self, data: Stored) -> None:
         self._take(*(data.variables[f"station_{name}"].values for name in ("rod", "s", "order")))
 
     @classmethod

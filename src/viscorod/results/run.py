@@ -53,19 +53,19 @@ class Run(RunPictures):
     @property
     def time(self) -> Floats:
         """Stored times [s] ``(time,)``."""
-        return np.asarray(self.data.variables["time"].values, dtype=float)
+        return np.asarray(self.stored.variables["time"].values, dtype=float)
 
     @cached_property
     def step_ends(self) -> Integers | None:
         """Numbers ``(k,)`` of stored states that end a step, 0 too; None where some steps end between stored states."""
-        if "step_size" not in self.data:
+        if "step_size" not in self.stored:
             return None
-        return step_ends(self.time, np.asarray(self.data["step_size"].values, dtype=float))
+        return step_ends(self.time, np.asarray(self.stored["step_size"].values, dtype=float))
 
     @cached_property
     def energy(self) -> Energy:
         """The energy account."""
-        return Energy.of(self.data)
+        return Energy.of(self.stored)
 
     @property
     def step_errors(self) -> dict[str, float]:
@@ -74,7 +74,7 @@ class Run(RunPictures):
         "position" [m], "rotation" [rad], "section_force" [N] and "section_moment" [N m]; empty where no step was tried
         again.
         """
-        return step_errors(self.data.attrs)
+        return step_errors(self.stored.attrs)
 
     @checked
     def decrement(

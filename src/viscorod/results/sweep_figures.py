@@ -9,12 +9,12 @@ import numpy as np
 
 from viscorod.results.buckling import Buckling
 from viscorod.results.campbell import Campbell
-from viscorod.results.energy import Energy
 from viscorod.results.followed_modes import FollowedModes
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.mesh_error import mesh_errors
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic
+from viscorod.results.recorded_states import RecordedStates
 from viscorod.results.result import Result
 from viscorod.results.run import Run
 
@@ -79,7 +79,7 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
     """Return the figures of a result by name; none of no result."""
     if result is None:
         return {}
-    attrs = result.data.attrs
+    attrs = (result.stored if isinstance(result, RecordedStates) else result.data).attrs
     found = {name: float(attrs[name]) for name in ("steps", "wall_time_s") if name in attrs}
     if isinstance(result, Result) and (mesh := mesh_errors(result)):
         found["mesh_error"] = max(mesh.values())
@@ -87,7 +87,7 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
         steps = result.step_errors
         found |= {"step_error": steps["position"]} if "position" in steps else {}
         found["time_reached"] = float(result.time[-1])
-        found["numerical_fraction"] = Energy.of(result.data).numerical_fraction
+        found["numerical_fraction"] = result.energy.numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
     if isinstance(result, FrequencyResponse | Periodic):

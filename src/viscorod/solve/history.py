@@ -16,6 +16,7 @@ from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.energy_account import EnergiesKnown, EnergiesWithin, EnergyAccount, StepShare
 from viscorod.solve.formulations.system import State, System
+from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
@@ -69,6 +70,12 @@ class StationReader:
         if self._linked:
             twist = np.einsum("nij,...nj->...ni", self._map, twist)
         return r, q, _rotate(q, twist[..., :3]), twist[..., 3:].copy()
+
+
+@once_of_layout
+def station_reader(problem: Problem) -> StationReader:
+    """Return what reads fields at the stations of a problem; all problems of one layout share it."""
+    return StationReader(problem)
 
 
 def _rotate(q: Floats, a: Floats) -> Floats:

@@ -77,6 +77,8 @@ def _differing(problem: Problem, other: Problem) -> set[str]:
     """Return the fields in which two problems differ, those of element sets as ``sets.field``."""
     found = set()
     for field in dataclasses.fields(Problem):
+        if not field.compare:
+            continue
         if field.name == "sets":
             for mine, its in zip(problem.sets, other.sets, strict=True):
                 names = [part.name for part in dataclasses.fields(ElementSet)]

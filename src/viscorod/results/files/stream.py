@@ -75,6 +75,11 @@ class Stream(History):
         """States recorded so far."""
         return self._gone + len(self.instant)
 
+    @property
+    def whole(self) -> bool:
+        """Whether all states so far are here: of a short run none has gone, and none needs to."""
+        return not self._gone and self.count > 0
+
     def extend(
         self,
         instants: list[float],
@@ -120,11 +125,6 @@ class Stream(History):
     def contents(self) -> xr.Dataset:
         """Return the data set of all states that have gone, of which there will be no more."""
         return self.sink.contents()
-
-    def in_memory(self) -> xr.Dataset | None:
-        """Return the data set of all states, of which there will be no more; None if they are on disk."""
-        self.flush()
-        return self.contents()
 
     def _continued(self, data: xr.Dataset) -> tuple[xr.Dataset, np.ndarray]:
         """Let orientations go on with the sign of the quaternions before; return the last of them, too."""
@@ -186,13 +186,6 @@ class JournalStream(Stream):
         with self._writing():
             super().flush()
         self._flushed = time.monotonic()
-
-    def in_memory(self) -> xr.Dataset | None:
-        """See :class:`Stream`: of a short run no state has gone to disk yet, and none needs to."""
-        if self.count and not self._gone:
-            return self._continued(self.build(self))[0]
-        self.flush()
-        return None
 
     def after_step(self, state: Callable[[], Any]) -> None:
         """Write what is due: states, and with ``state`` from what the run can go on."""

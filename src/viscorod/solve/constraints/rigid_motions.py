@@ -11,12 +11,14 @@ from scipy import sparse
 from viscorod.solve.constraints.free_motion import FreeMotion, described
 from viscorod.solve.constraints.parts import Parts, held_motions, many_parts, null_space
 from viscorod.solve.linear.block_diagonal import block_diagonal
+from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
 __all__ = ["RigidParts", "free_motions", "motions_of_parts", "rigid_share"]
 
 
+@once_of_layout
 def free_motions(problem: Problem) -> list[FreeMotion]:
     """Return the rigid motions of all parts that supports, joints and springs allow in the reference shape.
 

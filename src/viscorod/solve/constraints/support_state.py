@@ -223,17 +223,25 @@ class SupportState:
         Returns:
             ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
         """
-        self.impose(state, residual, matrix, tangent=True)
-        free = self.free_rows()
-        unit = np.where(free % 6 < 3, self.problem.length, 1.0)
+        free, unit = self._reduce(state, residual, matrix)
         basis = self.free_basis(state)
         basis.data *= np.repeat(unit, np.diff(basis.indptr))
+        return matrix.pattern.part(matrix.blocks, free, unit), basis
+
+    def reduced_tangent(self, state: State, residual: Floats, matrix: Matrix) -> Floats:
+        """Return the tangent stiffness of :meth:`reduce_tangent` as a full matrix ``(free, free)``."""
+        return matrix.pattern.full_part(matrix.blocks, *self._reduce(state, residual, matrix))
+
+    def _reduce(self, state: State, residual: Floats, matrix: Matrix) -> tuple[Integers, Floats]:
+        """Put the motions that the supports allow into a matrix; returns their rows, and their units, ``(free,)``."""
+        self.impose(state, residual, matrix, tangent=True)
+        free = self.free_rows()
         starts = matrix.pattern.starts
         for k in self.partial:
             node, Z = self.set.nodes[k], self._directions(int(k), state)[2]
             column = slice(starts[node], starts[node + 1])
             matrix.blocks[column] = Z.T @ matrix.blocks[column]
-        return matrix.pattern.part(matrix.blocks, free, unit), basis
+        return free, np.where(free % 6 < 3, self.problem.length, 1.0)
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""

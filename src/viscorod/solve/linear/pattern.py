@@ -94,6 +94,14 @@ class Pattern(NamedTuple):
         where = number[rows[stored]], number[columns[stored]]
         return csr_array((values[stored], where), shape=(len(chosen), len(chosen)))
 
+    def full_part(self, blocks: Floats, chosen: Integers, unit: Floats) -> Floats:
+        """Return the same as a full matrix."""
+        whole = np.zeros((self.size, 6, self.size, 6))
+        whole[self.rows, :, self.columns] = blocks.transpose(0, 2, 1)
+        size = 6 * self.size
+        part: Floats = whole.reshape(size, size)[np.ix_(chosen, chosen)]
+        return part * unit[:, None] * unit
+
     def _places(self) -> tuple[Integers, Integers]:
         """Return row and column of every value of the blocks ``(b, 6, 6)``."""
         shape, within = (len(self.rows), 6, 6), np.arange(6)

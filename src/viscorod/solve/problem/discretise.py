@@ -12,22 +12,19 @@ from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Sine, TimeFunction
 from viscorod.model.actions.time_table import TimeTable
-from viscorod.model.connections.motion_words import MOTIONS
-from viscorod.model.connections.place import AnyPlace, BodyPlace
-from viscorod.model.connections.resolved_places import find, required_breaks
-from viscorod.model.connections.support_base import ResolvedSupport
+from viscorod.model.connections.place import BodyPlace
+from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.constraints.strain_multipliers import held_strains, multiplier_cliques
-from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.constraints.strain_multipliers import held_strains
 from viscorod.solve.problem.division import Divisions, divided
-from viscorod.solve.problem.joint_set import joint_set
+from viscorod.solve.problem.layout import layout_of
 from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
-from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, element_sets, join, stations_of
+from viscorod.solve.problem.mesh import element_sets
 from viscorod.solve.problem.placement import Placement
 from viscorod.solve.problem.prescribed_turns import prescribed_turn
-from viscorod.solve.problem.problem import Problem, SupportSet
-from viscorod.typing import Floats, Integers
+from viscorod.solve.problem.problem import Problem
+from viscorod.typing import Floats
 
 MANY_ROWS = 100
 """Rows from which on a table is a record, whose rows are no corners."""
@@ -48,31 +45,18 @@ def discretise(
     """
     if not validated:
         model.validate()
-    mesh = _mesh(model, chosen_divisions(model) if divisions is None else divisions)
+    layout = layout_of(model, chosen_divisions(model) if divisions is None else divisions)
+    mesh = layout.mesh_of(model)
     places = Placement(model, mesh)
-    nodes = len(mesh.positions)
-    length = max(m.rod.length for m in mesh.rods)
-    joints = joint_set(
-        model.resolved_joints(),
-        model.resolved_springs(),
-        places.node,
-        mesh.positions,
-        mesh.quaternions,
-        length,
-    )
-    held_members, held_rows = multiplier_cliques(mesh, nodes + joints.blocks)
-    elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
-    multipliers = joints.blocks + held_rows
-    pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
+    pattern, joints, supports = layout.pattern, layout.joints, layout.supports
     sets, mass, relaxation_times = element_sets(mesh, pattern)
-    supports = _supports(model, places)
     refuse_massless_turns(model.bodies, mesh, mass, supports)
     nodal_loads, station_loads, motion_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
     times = {k: load.time for k, load in enumerate(model.loads)}
     records = {k: f for k, f in times.items() if isinstance(f, TimeTable) and _sampled(model.loads[k])}
-    return Problem(
+    problem = Problem(
         rods=tuple(m.name for m in mesh.rods),
         rod_lengths=np.array([m.rod.length for m in mesh.rods]),
         rod_orders=np.array([m.order for m in mesh.rods], dtype=np.int64),
@@ -83,23 +67,23 @@ def discretise(
         link_positions=mesh.link_positions,
         link_quaternions=mesh.link_quaternions,
         pattern=pattern,
-        bodies=places.bodies(),
-        joints=joints.placed(pattern, nodes),
-        held=held_strains(sets, pattern, nodes, nodes + joints.blocks),
-        multipliers=multipliers,
-        interiors=_interiors(mesh, elements),
+        bodies=layout.bodies,
+        joints=joints,
+        held=held_strains(sets, pattern, layout.nodes, layout.first_held),
+        multipliers=layout.multipliers,
+        interiors=layout.interiors,
         supports=supports,
         nodal_loads=nodal_loads,
         station_loads=station_loads,
         motion_loads=motion_loads,
-        stations=stations_of(mesh),
+        stations=layout.stations,
         initial_strain={mesh.rod_index(strain.rod): strain.at for strain in model.strains},
         rest_strains=tuple(
             (mesh.rod_index(strain.rod), strain.on(model.rods[strain.rod])) for strain in model.rest_strains
         ),
         initial_twist=_initial_twist(model, places),
         relaxation_times=relaxation_times,
-        length=length,
+        length=layout.length,
         breakpoints=breakpoints,
         jumps=jumps,
         rows=tuple(sorted({t for k in records for t in model.loads[k].breakpoints})),
@@ -108,6 +92,8 @@ def discretise(
         functions={k: f for k, f in times.items() if isinstance(f, FunctionOfTime)},
         periods=periods,
     )
+    object.__setattr__(problem, "of_layout", layout.found)
+    return problem
 
 
 def chosen_divisions(model: ModelDescription) -> Divisions:
@@ -128,79 +114,6 @@ def chosen_divisions(model: ModelDescription) -> Divisions:
         wishes[strain.rod] += [s for s in strain.stations or () if 1e-9 * length < s < (1.0 - 1e-9) * length]
     turn = prescribed_turn(model)
     return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
-
-
-def _mesh(model: ModelDescription, divisions: Divisions) -> Mesh:
-    pairs = [(find(model, a.a), find(model, a.b)) for a in model.attachments]
-    rods = [divide(name, rod, divisions[name]) for name, rod in model.rods.items()]
-    bodies = {name: i for i, name in enumerate(model.bodies)}
-    first = len(bodies) + np.cumsum([0, *(len(rod.s) for rod in rods)])
-    index = {rod.name: i for i, rod in enumerate(rods)}
-
-    def number(place: AnyPlace) -> int:
-        if isinstance(place, BodyPlace):
-            return bodies[place.body]
-        node = rods[index[place.rod]].node_at(place.s)
-        assert node is not None  # places of attachments are element ends
-        return int(first[index[place.rod]]) + node
-
-    return join(rods, list(model.bodies.values()), [(number(a), number(b)) for a, b in pairs])
-
-
-def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
-    """Return the inner nodes of elements ``(elements, order - 1)``; where joints and supports act, elements end.
-
-    Where strains are held, their multipliers keep the inner nodes in place: by themselves these have no stiffness.
-    """
-    return tuple(
-        nodes[:, 1:-1].copy()
-        for m, nodes in zip(mesh.rods, elements, strict=True)
-        if m.order > 1 and not any(m.rod.constrained_strains)
-    )
-
-
-def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
-    resolved: dict[int, list[ResolvedSupport]] = {}
-    places: dict[int, dict[str, None]] = {}
-    length = max(rod.length for rod in model.rods.values())
-    for index, support in enumerate(model.resolved_supports()):
-        spot = placement.spot(support.place)
-        assert spot is not None  # places of supports are element ends
-        still = len(support.held) == len(MOTIONS) and not support.motion
-        if np.abs(spot.arm).max() > 1e-9 * length and not still:
-            raise InputError(
-                Fault(
-                    f"{support.path}.at",
-                    support.label,
-                    "the place is rigidly attached to a body whose centre is elsewhere",
-                    "support the body at its centre, or use a joint to ground",
-                )
-            )
-        places.setdefault(spot.node, {})[model.supports[index].at] = None
-        resolved.setdefault(spot.node, []).append(support)
-    nodes = np.array(sorted(resolved), dtype=np.int64)
-    axes = np.empty((len(nodes), 3, 3))
-    fixed = np.zeros((len(nodes), 6))
-    motions: list[tuple[int, int, TimeFunction]] = []
-    names = []
-    for k, node in enumerate(nodes):
-        group = resolved[int(node)]
-        axes[k] = group[0].axes
-        names.append(" + ".join(places[node]))
-        for held in group:
-            if np.abs(held.axes - axes[k]).max() > 1e-9:
-                raise InputError(
-                    Fault(
-                        held.path,
-                        held.label,
-                        f"its axes differ from those of {group[0].label}, which holds the same place",
-                        "hold the place by one support, or give both the same axes",
-                    )
-                )
-            for word in held.held:
-                fixed[k, MOTIONS.index(word)] = 1.0
-            motions.extend((k, MOTIONS.index(word), motion) for word, motion in held.motion.items())
-    return SupportSet(nodes, np.ascontiguousarray(axes), fixed, tuple(names), tuple(motions))
 
 
 def _sampled(load: AnyLoad) -> bool:

@@ -11,7 +11,7 @@ from viscorod.mechanics.elements.gauss_batch import ElementGroup
 from viscorod.mechanics.elements.geometric_element import strains
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.solve.formulations.system import GaussPositions
-from viscorod.solve.once import once
+from viscorod.solve.once import once, once_of_layout
 from viscorod.solve.problem.problem import ElementSet, Problem
 from viscorod.typing import Floats, Integers
 
@@ -92,6 +92,7 @@ def element_groups(problem: Problem) -> tuple[ElementGroup, ...]:
     )
 
 
+@once_of_layout
 def unstressed_strains(problem: Problem) -> Floats:
     """Return the strains of the interpolated reference shape at all Gauss points ``(e, points, 6)``."""
     top = max(e.order for e in problem.sets)

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
+from typing import Any
 
 import numpy as np
 
@@ -185,6 +186,7 @@ class Problem:
         records: loads whose factors are tables of many rows, by their number; record_ends: until when they act [s].
         functions: factors of loads that are Python functions, by the number of the load.
         periods: of harmonic loads and motions [s].
+        of_layout: what was found of nodes, couplings and supports alone, by name; problems of one layout share it.
     """
 
     rods: tuple[str, ...]
@@ -219,6 +221,7 @@ class Problem:
     record_ends: Mapping[int, float]
     functions: Mapping[int, FunctionOfTime]
     periods: tuple[float, ...]
+    of_layout: dict[str, Any] = field(init=False, default_factory=dict, compare=False, repr=False)
 
     @property
     def size(self) -> int:

@@ -36,7 +36,8 @@ class NodeTurns:
         for nodes, links in (self._first, self._then):
             q: Floats = state.q[nodes]
             linked = links >= 0
-            q[linked] = product(q[linked], self._turned[links[linked]])
+            if linked.any():
+                q[linked] = product(q[linked], self._turned[links[linked]])
             found.append(q)
         return found[0], found[1]
 
@@ -46,11 +47,11 @@ class NodeTurns:
         Past it, the rotation between two nodes has not changed by as much as they have turned, but by whole turns less.
         """
         (a, b), (a1, b1) = self._ends(old), self._ends(new)
-        before = product(conjugate(a), b)
-        first, then = rotation_vectors(before), rotation_vectors(product(conjugate(a1), b1))
+        # from end to end before and then, and of the second and the first end from before to then, all in one call
+        turns = product(conjugate(np.concatenate([a, a1, b, a])), np.concatenate([b, b1, b1, a1]))
+        first, then, own, other = np.split(rotation_vectors(turns), 4)
         beyond = np.linalg.norm(then, axis=1) > np.maximum(LARGEST, np.linalg.norm(first, axis=1) + 1e-9)
-        own, other = rotation_vectors(product(conjugate(b), b1)), rotation_vectors(product(conjugate(a), a1))
-        other = np.einsum("nji,nj->ni", matrices(before), other)
+        other = np.einsum("nji,nj->ni", matrices(turns[: len(a)]), other)
         missing = np.linalg.norm(then - first - own + other, axis=1)
         return bool(beyond.any() or (missing > np.pi).any())
 

@@ -62,16 +62,25 @@ class Stability(NamedTuple):
 
 
 def stability_of(
-    static: StaticSolver, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
+    static: StaticSolver,
+    state: State,
+    t: float = 0.0,
+    *,
+    before: bool = True,
+    scale: float = 1.0,
+    solved: bool = False,
 ) -> Stability:
-    """Return the stability of an equilibrium.
+    """Return the stability of an equilibrium; ``solved`` says that the solver has just found it.
 
     Under following forces and dead moments the tangent stiffness K is not symmetric, and its symmetric part says
     nothing about stability (Beck 1952; Bolotin 1963). Then ``s^2 M x + s D x + K x = 0`` is solved for its slowest
     motions.
     """
+    circulating = circulatory(static.loads.at(t, before, scale))
+    if solved and not circulating and static.surely_stable(state, t, before=before, scale=scale):
+        return Stability(0, 0, False)
     tangent = static.tangent(state, t, before=before, scale=scale)
-    if not circulatory(static.loads.at(t, before, scale)) or _symmetric(tangent):
+    if not circulating or _symmetric(tangent):
         count = negative_eigenvalues(tangent)
         return Stability(count, count, False)
     linear = linearise(static, state, t, before=before, scale=scale)

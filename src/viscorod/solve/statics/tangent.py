@@ -16,7 +16,7 @@ from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.work import Work
 from viscorod.typing import Floats, Integers
 
-__all__ = ["Tangent", "negative_eigenvalues", "softest"]
+__all__ = ["SMALL", "Tangent", "negative_eigenvalues", "softest", "surely_positive"]
 
 ROUND_OFF = 32.0 * float(np.finfo(float).eps)
 """Rounding of the entries of a stiffness and of its pivots, as a part of the sum of a row's entries."""
@@ -79,7 +79,7 @@ def _doubtful(
 
     None if there are none, too many, or they were not found.
     """
-    if gradients is None and symmetric.shape[0] <= SMALL and _surely_positive(symmetric.toarray()):
+    if gradients is None and symmetric.shape[0] <= SMALL and surely_positive(symmetric.toarray()):
         return 0, 0, None
     scale = np.asarray(abs(symmetric).sum(axis=1)).ravel()
     size = sparse.diags_array(np.maximum(scale, NEUTRAL * float(scale.mean())))
@@ -94,7 +94,7 @@ def _doubtful(
     return shifted.negative, possible, motions
 
 
-def _surely_positive(matrix: Floats) -> bool:
+def surely_positive(matrix: Floats) -> bool:
     """Return whether a symmetric matrix stays positive definite when its rounding is taken off: it has a root then."""
     scale = np.abs(matrix).sum(axis=1)
     lowered = matrix - np.diag(ROUND_OFF * np.maximum(scale, NEUTRAL * float(scale.mean())))

@@ -1,0 +1,139 @@
+"""The arrays of a result with states, before they are a data set: numbers are read from them as from one, sooner."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from functools import cached_property, lru_cache
+from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
+
+import numpy as np
+
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+__all__ = ["Arranged", "PlainArray", "StateArrays", "Stored"]
+
+Arranged: TypeAlias = dict[str, tuple[str | tuple[str, ...], np.ndarray]]
+"""Arrays by name, each after its dimensions."""
+
+
+class PlainArray(NamedTuple):
+    """An array and its dimensions; what it has is what a variable of xarray has of the same name."""
+
+    dims: tuple[str, ...]
+    values: np.ndarray
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Length of every dimension."""
+        return dict(zip(self.dims, self.values.shape, strict=True))
+
+    @property
+    def size(self) -> int:
+        """Number of its numbers."""
+        return int(self.values.size)
+
+    @property
+    def shape(self) -> tuple[int, ...]:
+        """Its lengths."""
+        return tuple(self.values.shape)
+
+    def isel(self, chosen: Mapping[str, Any] | None = None, **named: Any) -> PlainArray:
+        """Return a part: of one dimension or several a number, which leaves it out, a slice or numbers ``(k,)``.
+
+        Raises:
+            ValueError: there is no such dimension.
+        """
+        found, dims = self.values, self.dims
+        for name, part in {**(chosen or {}), **named}.items():
+            if name not in dims:
+                raise ValueError(f"{name!r} is no dimension; there are {', '.join(dims)}")
+            at = dims.index(name)
+            found = found[(slice(None),) * at + (part,)]
+            if found.ndim < len(dims):
+                dims = dims[:at] + dims[at + 1 :]
+        return PlainArray(dims, found)
+
+
+@dataclass
+class StateArrays:
+    """What the data set of a result is made of.
+
+    Attributes:
+        arrays: variables of the result; coordinates: along stations, points and others.
+        places: names along dimensions that have some; levels: the dimension of the states, and where they are.
+        attrs: attributes of the whole.
+    """
+
+    arrays: Arranged
+    coordinates: Arranged
+    places: dict[str, tuple[str, ...]]
+    levels: tuple[str, Floats]
+    attrs: dict[str, Any] = field(default_factory=dict)
+
+    @cached_property
+    def variables(self) -> dict[str, PlainArray]:
+        """All arrays by name, coordinates too."""
+        named = {name: ((name,), np.array(names)) for name, names in self.places.items()}
+        given = self.arrays | self.coordinates | named | {self.levels[0]: self.levels}
+        return {
+            name: PlainArray((dims,) if isinstance(dims, str) else dims, np.asarray(values))
+            for name, (dims, values) in given.items()
+        }
+
+    @property
+    def coords(self) -> set[str]:
+        """Names of the coordinates."""
+        return {*self.coordinates, *self.places, self.levels[0]}
+
+    def __contains__(self, name: object) -> bool:
+        return name in self.variables
+
+    def __getitem__(self, name: str) -> PlainArray:
+        return self.variables[name]
+
+    @property
+    def sizes(self) -> dict[str, int]:
+        """Length of every dimension."""
+        return {name: size for array in self.variables.values() for name, size in array.sizes.items()}
+
+    def data_set(self) -> xr.Dataset:
+        """Return the data set, of the same arrays."""
+        import xarray as xr
+
+        return xr.Dataset(self.arrays, self._indexed(), attrs=self.attrs)
+
+    def _indexed(self) -> xr.Coordinates:
+        """Return all coordinates; the indexes of places that have names are made once for all results."""
+        import xarray as xr
+
+        known = {name: _names(name, names) for name, names in self.places.items()}
+        known[self.levels[0]] = _index(*self.levels)
+        variables: dict[str, Any] = {name: variable.copy(deep=False) for name, (_, variable) in known.items()}
+        variables |= {name: xr.Variable(*given) for name, given in self.coordinates.items()}
+        return xr.Coordinates(variables, {name: index for name, (index, _) in known.items()})
+
+
+Stored: TypeAlias = "xr.Dataset | StateArrays"
+"""What numbers of a result are read from."""
+
+
+def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:
+    """Return the index of a dimension, and its coordinate."""
+    import pandas as pd
+    from xarray.indexes import (
+        PandasIndex,  # a module that early versions of xarray do not import by themselves
+    )
+
+    # of an array xarray would look whether it is one of Pint's, and import that
+    index = PandasIndex(pd.Index(values), name, coord_dtype=values.dtype)
+    return index, index.create_variables()[name]
+
+
+@lru_cache
+def _names(dimension: str, names: tuple[str, ...]) -> tuple[Any, xr.Variable]:
+    """Return the index of a dimension whose places have names, and its coordinate."""
+    return _index(dimension, np.array(names))

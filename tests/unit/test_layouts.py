@@ -1,0 +1,181 @@
+"""What members of a sweep share of their discretisation, and numbers that are read without a data set."""
+
+import math
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import xarray as xr
+
+import viscorod as vr
+from viscorod.analyses.case_run import discretised_case, run_case
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.sweeps.member_work import member_content
+from viscorod.casefile.case import case_from_dict, load_case
+from viscorod.casefile.known_parts import KnownParts
+from viscorod.casefile.shipped import shipped_case
+from viscorod.results.quantities import evaluated, quantities_of
+from viscorod.results.state_arrays import PlainArray
+from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.formulations.system import State
+from viscorod.solve.problem import layout
+from viscorod.solve.statics.tangent import negative_eigenvalues
+
+SWING = {"simulate.duration": 0.1, "simulate.tolerance": 1e-4}
+
+
+def members(name, rows):
+    """Return the cases of members of a sweep, read with the parts of those before."""
+    case, known = load_case(shipped_case(name)), KnownParts()
+    contents = (member_content(case.content, case.source, row, False, known)[0] for row in rows)
+    return [case_from_dict(content, case.source, known=known) for content in contents]
+
+
+def forgotten():
+    """Let the next model find its layout anew."""
+    layout._kept.cache_clear()
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("materials.rubber.youngs_modulus", 2e6),
+        ("materials.rubber.damping.shear_time", 0.01),
+        ("sections.square.width", 0.02),
+        ("loads[0].value", [0.0, 0.01, 0.0]),
+        ("simulate.duration", 0.2),
+    ],
+)
+def test_members_share_where_their_nodes_are(key, value):
+    forgotten()
+    one, other = (
+        discretised_case(case).problem for case in members("cantilever_swing", [SWING, SWING | {key: value}])
+    )
+    assert other.of_layout is one.of_layout
+    assert other.positions is one.positions
+    assert other.supports is one.supports
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("rods.beam.end", [0.4, 0.0, 0.0]),
+        ("rods.beam.elements", 3),
+        ("rods.beam.order", 4),
+        ("rods.beam.twist", 0.5),
+        ("rods.beam.tilt", [0.0, 0.1, 0.0]),
+        ("rods.beam.constraints", "inextensible"),
+        ("supports[0].kind", "pin"),
+        ("supports[0].at", "beam.end"),
+    ],
+)
+def test_members_whose_nodes_or_supports_differ_share_nothing(key, value):
+    forgotten()
+    one, other = (
+        discretised_case(case).problem for case in members("cantilever_swing", [SWING, SWING | {key: value}])
+    )
+    assert other.of_layout is not one.of_layout
+    forgotten()
+    alone = discretised_case(members("cantilever_swing", [SWING | {key: value}])[0]).problem
+    for name in ("positions", "quaternions", "mass"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(alone, name))
+    np.testing.assert_array_equal(other.supports.fixed, alone.supports.fixed)
+
+
+@pytest.mark.parametrize(
+    ("name", "rows"),
+    [
+        (
+            "cantilever_swing",
+            [
+                SWING,
+                SWING | {"materials.rubber.youngs_modulus": 2e6},
+                SWING | {"loads[0].value[1]": 0.01},
+                SWING | {"sections.square.height": 0.02},
+            ],
+        ),
+        (
+            "four_bar",
+            [
+                {"simulate.duration": 0.2},
+                {"simulate.duration": 0.2, "sections.thin.stiffness[3]": 100.0},
+                {"simulate.duration": 0.2, "joints[2].axis": [0.0, 0.0, 1.0]},
+            ],
+        ),
+    ],
+)
+def test_what_is_shared_changes_no_bit(name, rows):
+    """Independent: the same cases, each with a layout of its own."""
+    forgotten()
+    together = [run_case(case) for case in members(name, rows)]
+    for row, found in zip(rows, together, strict=True):
+        forgotten()
+        alone = run_case(members(name, [row])[0])
+        assert found == alone
+
+
+def test_a_problem_made_of_another_shares_nothing_with_it():
+    problem = discretised_case(members("cantilever_swing", [SWING])[0]).problem
+    assert free_motions(problem) == []
+    assert problem.of_layout
+    assert not replace(problem, positions=2.0 * problem.positions).of_layout
+
+
+def test_numbers_of_a_motion_are_read_without_making_a_data_set(tmp_path):
+    """Independent: the same numbers of the file, whose data set xarray reads."""
+    words = {
+        "tip": "displacement beam.end y max",
+        "rate": "velocity beam@0.15 size rms",
+        "at a time": "position beam.end x 0.05",
+        "bent": "strain beam.start bend_2 min",
+        "lost": "dissipation beam@0.1 mean",
+        "held": "reaction beam.start mz last",
+        "energy": "energy elastic last",
+    }
+    run = run_case(members("cantilever_swing", [SWING])[0])
+    quantities = quantities_of(words, "simulate")
+    numbers, wrong = evaluated(quantities, run)
+    assert not wrong
+    assert "data" not in vars(run)
+    assert (run.outcome, run.title) == ("completed", "Cantilever, released")
+    path = run.save(tmp_path / "run.nc")
+    assert evaluated(quantities, vr.load(path)) == (numbers, [])
+
+
+def test_arrays_are_cut_as_variables_of_xarray_are():
+    values = np.arange(24.0).reshape(4, 3, 2)
+    plain, variable = (
+        PlainArray(("time", "station", "axis"), values),
+        xr.Variable(("time", "station", "axis"), values),
+    )
+    for part in ({"time": 2}, {"station": np.array([2, 0])}, {"time": slice(1, 3)}, {"time": 0, "axis": 1}):
+        mine, theirs = plain.isel(part), variable.isel(part)
+        assert mine.dims == theirs.dims
+        assert mine.sizes == dict(theirs.sizes)
+        np.testing.assert_array_equal(mine.values, theirs.values)
+    with pytest.raises(ValueError, match="place"):
+        plain.isel(place=0)
+    with pytest.raises(IndexError):
+        plain.isel(time=7)
+
+
+@pytest.mark.parametrize("part", [0.5, 0.99, 1.01, 1.5])
+def test_a_column_is_surely_stable_below_its_critical_load_only(part):
+    """Euler: F = pi^2 EI / (4 L^2) of a clamped column; shear of this slender one takes 1e-4 of it."""
+    length, width, modulus = 1.0, 0.01, 1e9
+    force = math.pi**2 * modulus * width**4 / 12.0 / (4.0 * length**2)
+    material = vr.Material(youngs_modulus=modulus, poissons_ratio=0.3)
+    section = vr.Rectangle(width=width, height=width)
+    model = vr.Model()
+    model.add(
+        "column",
+        vr.Rod.straight((0, 0, 0), (length, 0, 0), section=section, material=material, elements=4, order=5),
+    )
+    model.clamp("column.start")
+    model.force("column.end", (-part * force, 0.0, 0.0))
+    discrete = DiscreteModel.of(model)
+    state = State.reference(discrete.problem)
+    discrete.static.solve(state)
+    stable = discrete.static.surely_stable(state, 0.0, before=True, scale=1.0)
+    assert stable == (part < 1.0)
+    assert negative_eigenvalues(discrete.static.tangent(state)) == (0 if part < 1.0 else 2)
