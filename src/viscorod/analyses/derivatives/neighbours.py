@@ -17,7 +17,6 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
-from viscorod.analyses.derivatives.other_rods import with_other_rods
 from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, section_record
@@ -203,10 +202,8 @@ def _made(discrete: DiscreteModel, number: CaseNumber, change: float) -> tuple[M
     if discrete.model.rest_strains and not discrete.model.strains and model.strains:
         model = with_strains_at_rest(model)
     known = with_known_times(model)
-    problem = with_other_rods(discrete.model, discrete.problem, known)
-    if problem is None:
-        divisions = _moved(discrete.model, known, divisions_of(discrete.problem))
-        problem = discretise(known, validated=True, divisions=divisions)
+    divisions = _moved(discrete.model, known, divisions_of(discrete.problem))
+    problem = discretise(known, validated=True, divisions=divisions)
     difference = _difference(discrete.problem, problem)
     if difference:
         raise InputError(Fault(number.key, f"{number.value:.6g}", f"it changes {difference}", ""))
