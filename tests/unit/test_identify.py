@@ -722,3 +722,49 @@ def test_a_clamp_that_is_much_stiffer_than_the_strip_is_not_told(tmp_path):
     assert fit[CLAMP].high == np.inf
     assert any(CLAMP in text for text in fit.sentences)
     assert fit[ALUMINIUM].told
+
+
+def test_draws_go_into_an_ensemble_as_they_are():
+    """Known truth; frequencies go with the root of E, so that quantiles of the ensemble are those of the draws."""
+    pytest.importorskip("emcee")
+    fit = vr.identify(
+        modes_case(),
+        ratios_of("kelvin_voigt"),
+        {YOUNG: (0.5e6, 1e6, 2e6), BOTH: (1e-3, 0.01, 0.1)},
+        profile=False,
+        draws=300,
+    )
+    draws = fit.posterior["posterior"]
+    for name, true in ((YOUNG, 1e6), (BOTH, 0.01)):
+        low, high = np.quantile(draws[name], [0.005, 0.995])
+        assert low < true < high, name
+        assert float(draws[name].std()) == pytest.approx(fit[name].standard_error, rel=0.25)
+    known, correlation = fit.distributions(), fit.correlation_of_distributions()
+    found = vr.ensemble(
+        fit.case, known, 16, quantities={"hertz": ("frequency", 1)}, correlation=correlation, workers=1
+    )
+    about = run_case(fit.case).frequencies[0]
+    exact = about * np.sqrt(draws[YOUNG].values.ravel() / fit[YOUNG].value)
+    parts = [0.25, 0.5, 0.75]
+    off = np.quantile(found.data["hertz"], parts) - np.quantile(exact, parts)
+    assert np.abs(off).max() < 0.3 * exact.std()
+    np.testing.assert_allclose(found.data[SHEAR], found.data[BULK], rtol=1e-9)
+
+
+def test_the_posterior_of_a_modulus_is_the_belief_in_the_gain():
+    """What a small load moves goes with gain over E: what is believed of the gain, 5 %, is all that is known of E."""
+    pytest.importorskip("emcee")
+    case = case_from_dict(content({"equilibrium": {"load_factors": [0.0, 0.5, 1.0]}}, 1e-4))
+    loads = np.array([0.0, 2.5e-5, 5e-5, 7.5e-5, 1e-4])
+    about = {"place": "beam.end", "direction": "y", "full_load": 1e-4}
+    moved = vr.StaticRecord(loads, np.zeros(5), **about).predicted(run_case(case))
+    noisy = moved + 1e-3 * moved.max() * np.random.default_rng(3).normal(size=5)
+    gain = vr.Unknown("gain", deviation=0.05)
+    record = vr.StaticRecord(loads, noisy, unknown=[gain], noise=1e-3 * moved.max(), **about)
+    fit = vr.identify(case, record, {YOUNG: (0.3e6, 1.1e6, 3e6)}, profile=False, draws=240)
+    draws = fit.posterior["posterior"]
+    modulus, factor = np.log(draws[YOUNG].values.ravel() / 1e6), draws["beam.end.gain"].values.ravel()
+    assert modulus.std() == pytest.approx(0.05, rel=0.2)
+    assert factor.std() == pytest.approx(0.05, rel=0.2)
+    assert np.corrcoef(modulus, np.log(factor))[0, 1] > 0.99
+    assert abs(np.mean(modulus - np.log(factor))) < 3e-3

@@ -102,6 +102,41 @@ def test_laws_do_not_depend_on_a_reference_in_the_glass():
     assert np.abs(rubber.relaxation("extension").complex_modulus(omega) / exact - 1.0).max() < 0.06
 
 
+def test_below_a_glass_transition_no_law_is_bent_to_the_shifts():
+    """Above 60 C the law is WLF's, below it shifts grow by a tenth of a decade per K: one law for both would be off."""
+    rng = np.random.default_rng(5)
+    tables = []
+    celsius = np.arange(36.0, 91.0, 6.0)
+    decades = np.where(celsius >= REFERENCE, law(celsius), (REFERENCE - celsius) * 0.06)
+    for degrees, shift in zip(celsius, decades, strict=True):
+        modulus = TRUTH.shifted(10.0**shift).complex_modulus(2.0 * np.pi * HERTZ)
+        parts = [part * np.exp(0.004 * rng.normal(size=8)) for part in (modulus.real, modulus.imag)]
+        tables.append((float(degrees), DmaTable(2.0 * np.pi * HERTZ, *parts)))
+    found = vr.master_curve(tables, reference=72.0, vertical=False)
+    assert np.abs(found.log_shifts - (decades - law(72.0))).max() < 0.05
+    assert found.law == "wlf"
+    wlf = vr.WLF(**{key: value for key, value in found.shift().items() if key != "kind"})
+    assert wlf.decades(87.0) - wlf.decades(63.0) == pytest.approx(law(87.0) - law(63.0), abs=0.05)
+    assert any("as in a glass: laws are fitted above" in text for text in found.warnings)
+    omega = 2.0 * np.pi * HERTZ[1:-1]
+    for degrees in (42.0, 51.0):
+        rubber = vr.Material(**found.material(degrees, density=1100.0, poissons_ratio=0.45))
+        exact = TRUTH.shifted(10.0 ** ((REFERENCE - degrees) * 0.06)).complex_modulus(omega)
+        assert np.abs(rubber.relaxation("extension").complex_modulus(omega) / exact - 1.0).max() < 0.06
+
+
+def test_laws_that_fit_alike_are_not_told_apart():
+    """Over 12 K the law of WLF bends as little as that of Arrhenius, by which the shifts were made."""
+    rng = np.random.default_rng(3)
+    tables = []
+    for celsius in (57.0, 60.0, 63.0, 66.0, 69.0):
+        decades = 2e5 / 8.314462618 * (1.0 / (celsius + 273.15) - 1.0 / 333.15) / np.log(10.0)
+        modulus = TRUTH.shifted(10.0**decades).complex_modulus(2.0 * np.pi * HERTZ)
+        parts = [part * np.exp(0.01 * rng.normal(size=8)) for part in (modulus.real, modulus.imag)]
+        tables.append((celsius, DmaTable(2.0 * np.pi * HERTZ, *parts)))
+    assert "hardly told from the other" in vr.master_curve(tables, vertical=False).report()
+
+
 def test_activation_energy():
     """Shifts of 150 kJ/mol, whose law is a straight line over the inverse temperature."""
     energy = 1.5e5

@@ -182,7 +182,7 @@ def test_text_files_in_other_layouts(layout, tmp_path):
 WRONG = {
     "t [s],y [m]\n0,1\n0.1,x1\n0.2,3\n0.3,4\n": r"line 3, column y: this is no number",
     "t [s],y [m]\n0,1\n0.1,2,7\n0.2,3\n0.3,4\n": r"line 3 has 3 cells, and the table 2 columns",
-    "t [s],y\n0,1\n0.1,2\n": r"does not give the unit of column y; write it beside its name, or give value_unit",
+    "t [s],y\n0,1\n0.1,2\n": r"does not give the unit of column y; write it beside its name, or give unit",
     "t [s],y [N]\n0,1\n0.1,2\n": r"column y: 'N': this is a force, .* needs a length",
     "t [s],z [m]\n0,1\n0.1,2\n": r"no column has this name",
     "t [s],y [m]\n0,1\n0.1,\n0.2,3\n": r"column y: row 2 of the numbers: there is no number",

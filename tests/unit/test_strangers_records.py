@@ -221,3 +221,46 @@ def test_other_files_and_objects(make, tmp_path):
     found = read(source, **how)
     np.testing.assert_allclose(found.times, TIMES, atol=1e-9)
     np.testing.assert_allclose(found.values, VALUES, rtol=1e-6, atol=1e-12)
+
+
+def test_pixels_and_volts_have_the_size_that_the_user_gives(tmp_path):
+    """A pixel of screens, 1/96 inch, is none of a camera."""
+    file = tmp_path / "track.csv"
+    file.write_text("t [ms],tip [px],laser [V]\n0,0,1\n10,4,2\n20,-2,3\n")
+    how = {"place": "beam.end", "quantity": "displacement", "direction": "y"}
+    with pytest.raises(vr.InputError, match="nothing says how much one of column tip is; give unit"):
+        vr.Record.read(file, "tip", **how)
+    assert vr.Record.read(file, "tip", unit="0.21 mm", **how).values == pytest.approx([0.0, 8.4e-4, -4.2e-4])
+    assert vr.Record.read(file, "laser", unit="-2e-3 m", **how).values == pytest.approx([-2e-3, -4e-3, -6e-3])
+
+
+@pytest.mark.parametrize(("unit", "size"), [("mg", 9.80665e-3), ("G", 9.80665), ("gn", 9.80665)])
+def test_units_of_accelerometers(tmp_path, unit, size):
+    file = tmp_path / "acc.csv"
+    file.write_text(f"t [s],a [{unit}]\n0,1\n1,2\n")
+    found = vr.Record.read(file, "a", place="beam.end", quantity="acceleration", direction="z")
+    assert found.values == pytest.approx([size, 2.0 * size])
+
+
+@pytest.mark.parametrize(
+    ("heads", "rows", "unit", "values"),
+    [
+        ("mag [m/s^2/N],phase [deg]", ("2,90", "3,-180"), None, [2j, -3.0]),
+        ("mag [dB],phase [rad]", ("20,0", "-20,0"), "um/N", [1e-5, 1e-7]),
+        ("re [g/N],im [g/N]", ("1,0", "0,2"), None, [9.80665, 19.6133j]),
+    ],
+)
+def test_responses_by_magnitude_and_phase(tmp_path, heads, rows, unit, values):
+    file = tmp_path / "frf.csv"
+    file.write_text(f"f [Hz],{heads}\n1,{rows[0]}\n2,{rows[1]}\n")
+    found = vr.ResponseRecord.read(file, [2, 3], unit=unit)
+    assert found.values == pytest.approx(np.array(values))
+    with pytest.raises(vr.InputError, match="a response has a phase"):
+        vr.ResponseRecord.read(file, 2, unit=unit)
+
+
+def test_decibels_need_what_they_are_over(tmp_path):
+    file = tmp_path / "frf.csv"
+    file.write_text("f [Hz],mag [dB],phase [deg]\n1,0,0\n2,0,0\n")
+    with pytest.raises(vr.InputError, match="it is not said what 0 dB are; give unit"):
+        vr.ResponseRecord.read(file, ["mag", "phase"])

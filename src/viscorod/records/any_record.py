@@ -105,6 +105,20 @@ class AnyRecord(ABC):
         span = (unknown.high or 0.0) - (unknown.low or 0.0)
         return 1.0 if not np.isfinite(span) else span
 
+    def __str__(self) -> str:
+        counts = len(self.observed) // len(self.axes)
+        what = " and ".join(f"{name} [{unit}]" if unit else name for name, unit in self.axes)
+        noise = "not known" if self.noise is None else f"{float(np.median(self.noise)):.3g} (median)"
+        unknown = ", ".join(one.name for one in self.nuisances.values()) or "nothing"
+        return f"{type(self).__name__} {self.name}: {counts} of {what}{self._over()}; noise {noise}; unknown: {unknown}"
+
+    def _over(self) -> str:
+        """Return over what it was measured, in words with a blank before."""
+        return ""
+
+    def __repr__(self) -> str:
+        return f"<{self}>"
+
     def _named(
         self, name: str, unknown: Sequence[str | Unknown], known: dict[str, tuple[float, float, float]]
     ) -> None:

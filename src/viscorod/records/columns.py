@@ -24,9 +24,15 @@ _BRACKETS = re.compile(
 _PLAIN = {"-": "1", "": "", "1": "1", **dict.fromkeys(("sec", "Sec", "seconds", "Seconds", "sec."), "s")}
 _SPELT = {
     **{"m/s2": "m/s^2", "m/s²": "m/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "um": "µm"},
-    **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain"), "ustrain"),
+    **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain", "microstrains"), "ustrain"),
+    **dict.fromkeys(("m/m", "strain", "e"), "1"),
+    **dict.fromkeys(("mil", "mils"), "thou"),
 }
-"""Other spellings of units."""
+"""Other spellings of units; micro and epsilon are written as u or µ, and e."""
+_GRAVITIES = {"g": 1.0, "G": 1.0, "gn": 1.0, "mg": 1e-3, "mG": 1e-3, "ug": 1e-6, "µg": 1e-6}
+"""Units of accelerometers, in `GRAVITY`: of an acceleration g is no gram."""
+COUNTS = ("px", "pix", "pixel", "pixels", "V", "mV", "volt", "volts", "counts", "digits", "LSB")
+"""What cameras and amplifiers give, of which only the user knows the size."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,22 +117,29 @@ class Columns:
         k = self.number(key, wanted)
         written = self.units[k]
         column = f"column {self.names[k] or k + 1}"
+        argument = "unit" if key == "value" else f"{key}_unit"
+        if written is not None and written.strip() in COUNTS:
+            if given is None:
+                raise self._refused(
+                    key,
+                    written,
+                    f"nothing says how much one of {column} is",
+                    f"give {argument}, the size of one, such as {argument}='0.21 {unit}'",
+                )
+            written = None
         if (
             given is not None
             and written is not None
-            and si_factor(self.source, column, written, unit)
-            != si_factor(self.source, f"{key}_unit", given, unit)
+            and si_factor(self.source, column, written, unit) != si_factor(self.source, argument, given, unit)
         ):
-            raise self._refused(
-                f"{key}_unit", given, f"the source says {written!r} of {column}", "leave it out"
-            )
+            raise self._refused(argument, given, f"the source says {written!r} of {column}", "leave it out")
         chosen = given if given is not None else written
         if chosen is None:
             raise self._refused(
                 key,
                 wanted,
                 f"the source does not give the unit of {column}",
-                f"write it beside its name, or give {key}_unit",
+                f"write it beside its name, or give {argument}",
             )
         values = self.values[:, k]
         if np.iscomplexobj(values):
@@ -157,10 +170,13 @@ def si_factor(source: str, column: str, written: str, unit: str) -> float:
     Raises:
         InputError: it is no unit, or one of another kind.
     """
-    plain = _PLAIN.get(written.strip(), written.strip())
+    size, written = _number_and_unit(written)
+    if size is not None:
+        return size * si_factor(source, column, written, unit)
+    plain = _PLAIN.get(written.strip(), written.strip()).replace("μ", "µ").replace("ε", "e")
+    if unit == "m/s^2" and plain in _GRAVITIES:
+        return GRAVITY * _GRAVITIES[plain]
     plain = _small(_SPELT.get(plain, plain))
-    if unit == "m/s^2" and plain == "g":
-        return GRAVITY
     if unit == "1":
         if plain in ("1", "%", "ustrain", "mm/m"):
             return {"1": 1.0, "%": 1e-2, "ustrain": 1e-6, "mm/m": 1e-3}[plain]
@@ -178,14 +194,28 @@ def si_factor(source: str, column: str, written: str, unit: str) -> float:
         raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
 
 
+def _number_and_unit(text: str) -> tuple[float | None, str]:
+    """Return the number and the unit of the size of one count, "0.21 mm"; None where a unit stands alone."""
+    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s+(\S.*)", text)
+    return (None, text) if found is None else (float(found[1]), found[2])
+
+
 def si_size(source: str, column: str, written: str) -> float:
-    """Return the SI value of a unit of any kind.
+    """Return the SI value of a unit of a response, of any kind; g is that of accelerometers.
 
     Raises:
         InputError: it is no unit.
     """
+    size, written = _number_and_unit(written)
+    if size is not None:
+        return size * si_size(source, column, written)
     if written.strip() in ("1", "-", ""):
         return 1.0
+    gravities = re.match(r"\s*\(?\s*(m?[gG]|gn)\s*\)?\s*(?:/|$)", written)
+    if gravities:  # of an accelerometer over a force: no response is a mass
+        over = written[gravities.end() :].strip()
+        size = GRAVITY * _GRAVITIES[gravities[1]]
+        return size / si_size(source, column, over) if over else size
     try:
         return si_of(re.sub(r"/([^/()]+)/([^/()]+)$", r"/(\1 \2)", written.replace("²", "^2")))
     except RefusedError as error:

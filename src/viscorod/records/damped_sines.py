@@ -27,6 +27,8 @@ MOST_SAMPLES = 3000
 """Samples that the matrix pencil sees."""
 PENCIL = 150
 """Columns of its Hankel matrix at most."""
+POWERS = {"sloping": 1, "curved": 3}
+"""Highest powers of time of a rest that drifts."""
 LEVEL = 1e-3
 """Probability with which white noise is called correlated."""
 
@@ -45,7 +47,7 @@ class SineFit:
         mixing: change of sigma_1, omega_1, sigma_2, ... over that of the samples (n, 2 k).
         freedom: samples less fitted numbers.
         noise: standard deviation of the residual.
-        resting: "constant", "sloping" or "relaxing".
+        resting: "constant", "sloping", "relaxing" or "curved".
     """
 
     poles: np.ndarray
@@ -118,7 +120,8 @@ def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "con
     Args:
         times: s (n,), increasing; values: (n,).
         poles: to start from, 1/s (k,), Im > 0.
-        rest: "constant", "sloping" (a straight line) or "relaxing" (a constant and a decaying exponential).
+        rest: "constant", "sloping" (a straight line), "relaxing" (a constant and a decaying exponential) or "curved" (a
+            polynomial of the third degree).
     """
     t = times - times[0]
     waves = _Waves(t, len(poles), rest)
@@ -170,7 +173,7 @@ class _Waves:
         self.t, self.count, self.rest = t, count, rest
         self.span = float(t[-1])
         self.part = t / self.span
-        self.resting = 1 if rest == "constant" else 2
+        self.resting = 2 if rest == "relaxing" else 1 + POWERS.get(rest, 0)
         self.numbers = self.resting + 4 * count + (1 if rest == "relaxing" else 0)
 
     def starts(self, poles: np.ndarray) -> list[Floats]:
@@ -186,9 +189,11 @@ class _Waves:
         )
 
     def basis(self, theta: Floats) -> Floats:
-        shapes = {"constant": (), "sloping": (self.part,)}.get(
-            self.rest, (np.exp(-self.part * np.exp(theta[-1])),)
-        )
+        shapes: list[Floats] = []
+        if self.rest == "relaxing":
+            shapes = [np.exp(-self.part * np.exp(theta[-1]))]
+        elif self.rest in POWERS:
+            shapes = [self.part**power for power in range(1, POWERS[self.rest] + 1)]
         pairs = [np.exp(self.part * complex(-theta[2 * k], theta[2 * k + 1])) for k in range(self.count)]
         columns = [np.ones_like(self.part), *shapes]
         for wave in pairs:

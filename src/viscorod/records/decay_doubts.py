@@ -9,7 +9,7 @@ from viscorod.records.damped_sines import SineFit
 from viscorod.records.motion_record import Record
 from viscorod.typing import Floats
 
-__all__ = ["clipped_samples", "doubts", "half_power_width"]
+__all__ = ["clipped_samples", "doubts", "half_power_width", "lasts"]
 
 CYCLES = 3.0
 """Cycles below which a ratio rests on too little."""
@@ -24,6 +24,15 @@ CREEP = 0.02
 NEAR = 0.25
 """Relative distance of two frequencies that is called a beat."""
 LEVEL = 1e-3
+LASTING, MANY = 0.05, 20.0
+"""Part by which a vibration dies out over the record, and its cycles, by which it is called a lasting one."""
+
+
+def lasts(fit: SineFit) -> np.ndarray:
+    """Return which modes (k,) do not die out within many cycles, as what something else drives."""
+    span = float(fit.times[-1])
+    cycles = np.abs(fit.poles.imag) * span / (2.0 * np.pi)
+    return np.asarray((np.abs(fit.poles.real) * span < LASTING) & (cycles > MANY))
 
 
 def doubts(
@@ -74,6 +83,12 @@ def doubts(
                     else ", and the record is shorter than that: the two are hard to tell apart"
                 )
             )
+    lasting = frequency[1:][lasts(fit)[order][1:]]
+    if len(lasting):
+        found.append(
+            f"what swings at {', '.join(f'{one:.5g}' for one in lasting)} Hz does not die out: something else drives "
+            "it, such as the mains, and it is no mode of the rod"
+        )
     width = half_power_width(first, float(ratio[0]))
     bin_width = 1.0 / float(record.times[-1] - part.times[0])
     if width < BINS * bin_width:

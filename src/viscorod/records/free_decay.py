@@ -10,8 +10,10 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.damped_sines import SineFit, fit_sines, pencil_poles, residual_peak
-from viscorod.records.decay_doubts import clipped_samples, doubts
+from viscorod.records.damped_sines import SineFit, fit_sines
+from viscorod.records.decay_doubts import doubts, lasts
+from viscorod.records.decay_fits import MOST_MODES, best_fit
+from viscorod.records.decay_span import FEWEST, DecaySpan
 from viscorod.records.motion_record import Record
 from viscorod.records.read_off import QUANTITIES, Direction
 from viscorod.results.decay_result import Decay
@@ -19,14 +21,7 @@ from viscorod.typing import Floats
 
 __all__ = ["decay", "fitted_decay"]
 
-MOST_MODES = 6
 MOST_WINDOWS = 12
-BETTER = 10.0
-"""Fall of Bayes' criterion from which on another number of modes, or another polynomial of the rest, is taken."""
-FAINT = 1e-7
-"""Part of all energy below which a mode is what rounding and interpolation left."""
-FEWEST = 16
-"""Samples of a decay at least."""
 ABOVE_NOISE = 3.0
 """Amplitude of a window over the noise, below which its ratio is not shown."""
 CONFIDENCE = 0.95
@@ -66,16 +61,15 @@ def decay(
     for key, number, most in (("modes", modes, MOST_MODES), ("cycles", cycles, 10_000)):
         if number is not None and not (isinstance(number, int) and 1 <= number <= most):
             raise InputError(Fault(key, repr(number), "no such number", f"give 1 to {most}"))
-    begin = _start_of(record.times, record.values) if start is None else float(start)
-    part = record.window(begin, record.times[-1] if end is None else float(end))
-    if len(part.times) < FEWEST:
+    span = DecaySpan.of(record, start, end)
+    if len(span.part.times) < FEWEST:
         raise InputError(
             Fault(
-                f"record {record.name}", f"{len(part.times)} samples from {begin:g} s",
+                f"record {record.name}", f"{len(span.part.times)} samples from {span.part.times[0]:g} s",
                 f"a decay needs {FEWEST} at least", "give start and end, or a record with more samples",
             )
         )  # fmt: skip
-    return fitted_decay(record, part, modes, cycles, end, later=start is None)
+    return fitted_decay(span, modes, cycles)
 
 
 def _record_of(source: Any, values: Any, place: str | None, direction: Direction | None) -> Record:
@@ -103,140 +97,32 @@ def _record_of(source: Any, values: Any, place: str | None, direction: Direction
     )
 
 
-def _start_of(times: Floats, values: Floats) -> float:
-    """Return the first passage through rest after the largest deviation from it."""
-    rest = float(np.median(values[-max(len(values) // 3, 4) :]))
-    off = values - rest
-    far = np.abs(off) >= 0.9 * float(np.abs(off).max(initial=0.0))
-    first = int(np.argmax(far))
-    passed = np.flatnonzero(off[first:-1] * off[first + 1 :] <= 0.0)
-    return float(times[first + int(passed[0]) + 1]) if len(passed) else float(times[0])
+def fitted_decay(span: DecaySpan, modes: int | None, cycles: int | None) -> Decay:
+    """Return the decay of a part of a record, which is narrowed until it is one free decay; see `decay`."""
+    while True:
+        part = span.part
+        first, last = float(part.times[0]), float(part.times[-1])
+        if float(np.ptp(part.values)) == 0.0:
+            raise InputError(f"record {part.name}: nothing moves from {first:g} to {last:g} s")
+        fit = best_fit(part.times, part.values, modes)
+        narrower = span.narrower(fit, modes)
+        if narrower is not None:
+            span = narrower
+            continue
+        if fit is None:
+            raise InputError(
+                f"record {part.name}: no motion that swings about a rest was found from {first:g} to {last:g} s; cut a "
+                "window in which it swings freely for two cycles or more"
+            )
+        order = _order(fit)
+        return _result(span, fit, order, _pieces(fit, int(order[0]), cycles))
 
 
-def fitted_decay(
-    record: Record,
-    part: Record,
-    modes: int | None,
-    cycles: int | None,
-    end: float | None,
-    *,
-    later: bool = False,
-) -> Decay:
-    """Return the decay of a part of a record; see `decay`. It may begin later, where the record is clipped at first."""
-    times, values = part.times, part.values
-    if float(np.ptp(values)) == 0.0:
-        raise InputError(f"record {record.name}: nothing moves from {times[0]:g} to {times[-1]:g} s")
-    fit = _best(times, values, modes)
-    if fit is None:
-        raise InputError(
-            f"record {record.name}: no motion that swings about a rest was found from {times[0]:g} to {times[-1]:g} s; "
-            "cut a window in which it swings freely for two cycles or more"
-        )
-    free = _after_clipping(part, fit) if later else None
-    if free is not None:
-        return fitted_decay(record, free, modes, cycles, end)
-    sunk = _sunk(fit)
-    if end is None and sunk < times[-1] - times[0]:
-        return fitted_decay(
-            record, part.window(times[0], times[0] + sunk), modes, cycles, float(times[0] + sunk)
-        )
-    order = np.argsort(-np.array([float(np.sum(fit.mode(k) ** 2)) for k in range(len(fit.poles))]))
-    pieces = _pieces(fit, int(order[0]), cycles)
-    return _result(record, part, fit, order, pieces)
-
-
-def _after_clipping(part: Record, fit: SineFit) -> Record | None:
-    """Return a record from the first passage through rest after its last clipped sample; None if none is clipped.
-
-    What is left must have two cycles.
-    """
-    hertz = float(fit.poles.imag[int(np.argmax(np.abs(fit.amplitudes)))]) / (2.0 * np.pi)
-    held = clipped_samples(part.values, len(part.times) / float(part.times[-1] - part.times[0]) / hertz)
-    if not held.any():
-        return None
-    last = int(np.flatnonzero(held)[-1])
-    off = part.values[last:] - float(np.median(part.values[last:]))
-    passed = np.flatnonzero(off[:-1] * off[1:] <= 0.0)
-    begin = float(part.times[last + (int(passed[0]) + 1 if len(passed) else 1)])
-    free = part.window(begin, part.times[-1]) if begin < part.times[-1] else None
-    enough = free is not None and len(free.times) >= FEWEST and (free.times[-1] - begin) * hertz >= 2.0
-    return free if enough else None
-
-
-def _sunk(fit: SineFit) -> float:
-    """Return the time from the first sample at which all modes are below what a fit leaves over that is not noise.
-
-    Where it is noise later samples do no harm, and neither do they say anything.
-    """
-    if fit.is_white or not (fit.poles.real < 0.0).all():
-        return float("inf")
-    size = np.abs(fit.amplitudes)
-    sunk = float(np.max(np.log(np.maximum(size / fit.noise, 1.0)) / -fit.poles.real))
-    least = 4.0 * 2.0 * np.pi / float(fit.poles.imag.min())
-    return max(sunk, least, float(fit.times[min(2 * FEWEST, len(fit.times) - 1)]))
-
-
-def _best(times: Floats, values: Floats, modes: int | None) -> SineFit | None:
-    """Return the fit with the number of modes and the rest that Bayes' criterion prefers."""
-    best: SineFit | None = None
-    last: SineFit | None = None
-    for count in range(1, MOST_MODES + 1) if modes is None else (modes,):
-        least = FAINT * float(np.sum((values - values.mean()) ** 2))
-        fits = (_fit(times, values, poles) for poles in _starts(times, values, count, last))
-        found = [fit for fit in fits if fit and (modes is not None or _sensible(fit, least))]
-        if not found:
-            break
-        last = min(found, key=lambda fit: fit.information)
-        if best is not None and last.information > best.information - BETTER:
-            break
-        best = last
-    return best
-
-
-def _starts(times: Floats, values: Floats, count: int, last: SineFit | None) -> list[np.ndarray]:
-    """Return poles to start from: those of the matrix pencil, and those of fewer modes with one of the residual."""
-    starts = []
-    poles = pencil_poles(times, values, count)
-    if len(poles) == count:
-        starts.append(poles)
-    if last is not None:
-        starts.append(np.append(last.poles, residual_peak(times, last.residual)))
-    elif count == 1:
-        starts.append(np.array([residual_peak(times, values - values.mean())]))
-    else:
-        fewer = _best(times, values, count - 1)
-        if fewer is not None:
-            starts.append(np.append(fewer.poles, residual_peak(times, fewer.residual)))
-    return starts
-
-
-def _fit(times: Floats, values: Floats, poles: np.ndarray) -> SineFit | None:
-    """Return the fit with the rest that Bayes' criterion prefers."""
-    best: SineFit | None = None
-    for rest in ("constant", "sloping", "relaxing"):
-        found = fit_sines(times, values, poles if best is None else best.poles, rest)
-        if found is not None and (best is None or found.information < best.information - BETTER):
-            best = found
-    return best
-
-
-def _sensible(fit: SineFit, least: float) -> bool:
-    """Return whether every mode stands out of the noise and of the others, and none grows without bound.
-
-    Two modes whose half-power bands overlap decay before they beat: one mode whose ratio depends on the amplitude would
-    look the same.
-    """
-    ordered = fit.poles[np.argsort(fit.poles.imag)]
-    if (np.diff(ordered.imag) < np.abs(ordered.real[1:]) + np.abs(ordered.real[:-1])).any():
-        return False
-    nyquist = np.pi * (len(fit.times) - 1) / float(fit.times[-1])
-    for k, pole in enumerate(fit.poles):
-        energy = float(np.sum(fit.mode(k) ** 2))
-        if energy < max(25.0 * fit.noise**2, least) or pole.imag > nyquist or pole.real * fit.times[-1] > 0.5:
-            return False
-        if -pole.real > 0.7 * abs(pole):  # no swing: what creeps, or what the release left
-            return False
-    return True
+def _order(fit: SineFit) -> np.ndarray:
+    """Return the modes by their energy; those that do not die out, as the hum of the mains, come last."""
+    energy = np.array([float(np.sum(fit.mode(k) ** 2)) for k in range(len(fit.poles))])
+    lasting = lasts(fit)
+    return np.lexsort((-energy, lasting if not lasting.all() else np.zeros(len(energy), dtype=bool)))
 
 
 def _pieces(fit: SineFit, mode: int, cycles: int | None) -> dict[str, Floats]:
@@ -271,11 +157,10 @@ def _pieces(fit: SineFit, mode: int, cycles: int | None) -> dict[str, Floats]:
 PIECE = ("time", "amplitude", "frequency", "frequency_width", "ratio", "ratio_width")
 
 
-def _result(
-    record: Record, part: Record, fit: SineFit, order: np.ndarray, pieces: dict[str, Floats]
-) -> Decay:
+def _result(span: DecaySpan, fit: SineFit, order: np.ndarray, pieces: dict[str, Floats]) -> Decay:
     import xarray as xr
 
+    record, part = span.record, span.part
     widths = [column[order] for column in fit.half_widths(CONFIDENCE)]
     data = xr.Dataset(
         {
@@ -297,7 +182,7 @@ def _result(
             "unit": "" if record.name == "decay" else record.unit,
             "noise": fit.noise,
             "white": int(fit.is_white),
-            "warnings": json.dumps(doubts(record, part, fit, order, pieces)),
+            "warnings": json.dumps(span.notes() + doubts(record, part, fit, order, pieces)),
         },
     )  # fmt: skip
     return Decay(data)

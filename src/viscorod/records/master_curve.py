@@ -32,6 +32,8 @@ FEWEST = 3
 """Sweeps at least."""
 KNOWN = 0.5
 """Half-width of the interval of log10 a_T, decades, up to which a sweep takes part in the laws."""
+HOLDS, FEWEST_OF_LAW = 0.1, 5
+"""Decades by which shifts may be off a law that holds, and sweeps that a law is fitted to at least."""
 ENOUGH = 0.8
 """Part of the most sweeps known beside any one that must be known beside the reference if laws are referred to it."""
 WANDERS = 1.0
@@ -109,19 +111,55 @@ def master_curve(
                 )
             )
         base = base if used[base] else int(np.flatnonzero(used)[np.argmin(np.diag(covariance)[used])])
-    block = _relative(covariance, base)[np.ix_(used, used)]
-    own, about = decades[used] - decades[base], float(celsius[base])
-    laws = {
-        "wlf": fit_wlf(celsius[used], own, block, about),
-        "arrhenius": fit_arrhenius(celsius[used], own, block, about),
-    }
-    doubts = [*notes, *_doubts(celsius, fit, width, used)]
+    about = float(celsius[base])
+    laws, used, glass = _laws(celsius, decades, covariance, base, used, shorten=law_range is None)
+    doubts = [*notes, *_doubts(celsius, fit, width, used), *glass]
     if base != first and any(law is not None for law in laws.values()):
         doubts.append(
             f"the shift at the reference of {celsius[first]:.4g} C is not known beside the others: laws, and materials "
             f"by them, are referred to {about:.4g} C"
         )
     return _result(celsius, tables, first, base, fit, width, laws, used, vertical, doubts, title)
+
+
+def _laws(
+    celsius: Floats, decades: Floats, covariance: Floats, base: int, used: np.ndarray, *, shorten: bool
+) -> tuple[dict[str, LawFit | None], np.ndarray, list[str]]:
+    """Return the laws through the shifts, the sweeps that they are fitted to, and what is to be said of the others.
+
+    Below the glass transition shifts grow less than by the law above it (Williams, Landel, Ferry 1955): where no law
+    holds for all, the coldest sweeps are left out until one does.
+    """
+
+    def through(which: np.ndarray) -> dict[str, LawFit | None]:
+        block = _relative(covariance, base)[np.ix_(which, which)]
+        own, about = decades[which] - decades[base], float(celsius[base])
+        return {
+            "wlf": fit_wlf(celsius[which], own, block, about),
+            "arrhenius": fit_arrhenius(celsius[which], own, block, about),
+        }
+
+    def off(laws: dict[str, LawFit | None]) -> float:
+        return min((law.off for law in laws.values() if law is not None), default=np.inf)
+
+    laws = through(used)
+    left, fewer, found = off(laws), used.copy(), laws
+    while shorten and off(found) > HOLDS and np.count_nonzero(fewer) > FEWEST_OF_LAW:
+        coldest = int(np.flatnonzero(fewer)[0])
+        if coldest >= base:
+            break
+        fewer[coldest] = False
+        found = through(fewer)
+    if off(found) <= HOLDS:
+        if not np.array_equal(fewer, used):
+            return found, fewer, [
+                f"below {celsius[fewer].min():.4g} C the shifts leave every law (with them the better one is off by "
+                f"{left:.2g} decades), as in a glass: laws are fitted above"
+            ]  # fmt: skip
+        return laws, used, []
+    if np.isfinite(left):
+        return laws, used, [f"no law holds for the shifts: the better one is off by {left:.2g} decades"]
+    return laws, used, []
 
 
 def _relative(covariance: Floats, base: int) -> Floats:
@@ -313,6 +351,7 @@ def _result(
                 "vertical": int(lifted),
                 "strain": str(next(iter(strains))) if len(strains) == 1 else "",
                 "laws": json.dumps(kept, default=float),
+                "apart": json.dumps(celsius[~fit.bridged].tolist()),
                 "scatter_storage": fit.scatter[0],
                 "scatter_loss": fit.scatter[1],
                 "warnings": json.dumps(doubts),

@@ -134,6 +134,9 @@ class ModesRecord(AnyRecord):
             found.frequencies, found.damping_ratios, frequency_noise=widths[0], ratio_noise=widths[1], **more
         )
 
+    def _over(self) -> str:
+        return f" from {self.frequencies.min():.6g} to {self.frequencies.max():.6g} Hz"
+
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return frequencies, and damping ratios if the record has them, of a result of `modes`; see `AnyRecord`."""

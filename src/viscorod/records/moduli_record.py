@@ -95,6 +95,9 @@ class ModuliRecord(AnyRecord):
         """See `AnyRecord`."""
         return (("storage modulus", "Pa"), ("loss modulus", "Pa"))
 
+    def _over(self) -> str:
+        return f" in {self.of} from {self.frequencies[0]:.6g} to {self.frequencies[-1]:.6g} Hz"
+
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a `Material` says (2 n,); see `AnyRecord`.

@@ -160,7 +160,7 @@ class Record(AnyRecord):
         Raises:
             InputError: it cannot be read, a column is missing, a unit is missing or of another kind.
         """
-        columns = columns_of(source)
+        columns = columns_of(source, value)
         if gaps not in ("refuse", "leave out"):
             raise InputError(Fault("gaps", repr(gaps), "it is not known", "use 'refuse' or 'leave out'"))
         if rate is not None:
@@ -274,7 +274,7 @@ class Record(AnyRecord):
                     f"the record goes from {self.times[0]:g} to {self.times[-1]:g} s",
                 )
             )
-        return self._with(
+        return self.with_samples(
             self.times[inside], self.values[inside], None if self.noise is None else self.noise[inside]
         )
 
@@ -313,7 +313,7 @@ class Record(AnyRecord):
         if noise is not None:
             taps = firwin(20 * factor + 1, 1.0 / factor, window="hamming")
             noise = noise[::factor] * float(np.sqrt(np.sum(taps**2)))
-        return self._with(self.times[::factor], values, noise)
+        return self.with_samples(self.times[::factor], values, noise)
 
     @described
     def with_noise_of(self, start: float, end: float) -> Self:
@@ -335,9 +335,14 @@ class Record(AnyRecord):
             raise InputError(
                 f"record {self.name}: nothing moves between {start:g} and {end:g} s, not even noise"
             )
-        return self._with(self.times, self.values, np.full(len(self.values), size))
+        return self.with_samples(self.times, self.values, np.full(len(self.values), size))
 
-    def _with(self, times: Floats, values: Floats, noise: Floats | None) -> Self:
+    def with_samples(self, times: Floats, values: Floats, noise: Floats | None = None) -> Self:
+        """Return a record of other samples that are described alike.
+
+        Args:
+            times: s (n,); values, noise: SI (n,).
+        """
         return type(self)(
             times,
             values,

@@ -13,15 +13,20 @@ from viscorod.records.clock_times import since_first
 from viscorod.records.columns import Columns, is_unit, name_and_unit, stacked
 from viscorod.records.matlab_file import columns_of_matlab
 from viscorod.records.text_file import columns_of_text
+from viscorod.records.uff_file import columns_of_uff
 
 __all__ = ["columns_of"]
 
-UFF_QUANTITIES = {8: "m", 9: "N", 11: "m/s", 12: "m/s^2", 13: "N", 2: "1"}
-"""SI units by the type of data of a UFF data set 58 (its files are in SI unless data set 164 says otherwise)."""
+UNIVERSAL = (".uff", ".unv", ".uf", ".bunv", ".ufb")
+"""Suffixes of universal files."""
 
 
-def columns_of(source: Any) -> Columns:
+def columns_of(source: Any, wanted: Any = None) -> Columns:
     """Return the columns of a file, by its suffix, or of an object of xarray or pandas.
+
+    Args:
+        source: path or object.
+        wanted: a column, of sources that hold several tables.
 
     Raises:
         InputError: it cannot be read, or the package that reads it is not there.
@@ -41,16 +46,24 @@ def columns_of(source: Any) -> Columns:
         )  # fmt: skip
     path = Path(source)
     readers = {
-        ".uff": _of_uff,
-        ".unv": _of_uff,
         ".c3d": _of_c3d,
         ".mat": columns_of_matlab,
         ".nc": _of_netcdf,
     }
-    reader = readers.get(path.suffix.lower(), columns_of_text)
-    if reader is not columns_of_text and not path.is_file():
+    suffix = path.suffix.lower()
+    if not path.is_file():
         raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
+    if suffix in UNIVERSAL or (suffix == ".txt" and _is_universal(path)):
+        return columns_of_uff(path, _library("pyuff", path), wanted if isinstance(wanted, str) else None)
+    reader = readers.get(suffix, columns_of_text)
     return reader(path)
+
+
+def _is_universal(path: Path) -> bool:
+    """Return whether a text begins as universal files do: a line of -1, then the number of a data set."""
+    with path.open("rb") as file:
+        lines = file.read(400).split(b"\n")
+    return len(lines) > 2 and lines[0].strip() == b"-1" and lines[1].strip().isdigit()
 
 
 def _library(name: str, path: Path) -> Any:
@@ -147,61 +160,6 @@ def _label(name: Any) -> str:
     if len(words) > 1 and is_unit(words[-1].strip("[]() ")):
         return f"{' '.join(words[:-1])} [{words[-1].strip('[]() ')}]"
     return " ".join(words)
-
-
-def _of_uff(path: Path) -> Columns:
-    """Return the functions (data sets 58) of a UFF file over the abscissa that they share."""
-    library = _library("pyuff", path)
-    try:
-        everything = library.UFF(str(path)).read_sets()
-        everything = [everything] if isinstance(everything, dict) else everything
-        sets = [one for one in everything if one.get("type") == 58]
-        length, force = _uff_units(everything)
-    except Exception as error:  # the reader fails in many ways on what is no UFF
-        let_interrupts_through(error)
-        raise InputError(
-            Fault(str(path), "", f"it cannot be read as UFF ({error})", "check the file")
-        ) from None
-    if not sets:
-        raise InputError(
-            Fault(str(path), "", "it has no functions (data sets 58)", "export time histories or responses")
-        )
-    first = np.asarray(sets[0]["x"], dtype=float)
-    times = int(sets[0].get("func_type", 0)) == 1
-    names, columns = ["time" if times else "frequency"], [first]
-    units: list[str | None] = ["s" if times else "Hz"]
-    for one in sets:
-        if len(one["x"]) != len(first) or not np.allclose(one["x"], first):
-            raise InputError(
-                Fault(
-                    str(path),
-                    str(one.get("id1", "")),
-                    "its functions have different abscissae",
-                    "export them one by one",
-                )
-            )
-        names.append(f"{one.get('rsp_node', 0)}{_axis(one.get('rsp_dir', 0))}" + (
-            "" if times else f"/{one.get('ref_node', 0)}{_axis(one.get('ref_dir', 0))}"
-        ))  # fmt: skip
-        over = UFF_QUANTITIES.get(int(one.get("ordinate_spec_data_type", 0)))
-        under = UFF_QUANTITIES.get(int(one.get("orddenom_spec_data_type", 0)))
-        sizes: dict[str | None, float] = {None: 1.0, "1": 1.0, "N": force}
-        size = sizes.get(over, length) / (1.0 if times else sizes.get(under, length))
-        columns.append(np.asarray(one["data"]) * size)
-        units.append(over if times or over is None else f"{over}/({under})" if under else None)
-    return stacked(str(path), names, columns, units)
-
-
-def _uff_units(sets: list[dict[str, Any]]) -> tuple[float, float]:
-    """Return m and N of the units of a file: data set 164 has their inverses; SI without it."""
-    told = next((one for one in sets if one.get("type") == 164), {})
-    return 1.0 / float(told.get("length") or 1.0), 1.0 / float(told.get("force") or 1.0)
-
-
-def _axis(code: int) -> str:
-    """Return the direction of a UFF node, "+x" of 1, "-z" of -3."""
-    word = {1: "x", 2: "y", 3: "z", 4: "rx", 5: "ry", 6: "rz"}.get(abs(int(code)), "")
-    return f":{'-' if code < 0 else '+'}{word}" if word else ""
 
 
 def _of_c3d(path: Path) -> Columns:

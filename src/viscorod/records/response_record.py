@@ -17,6 +17,15 @@ from viscorod.typing import Floats
 
 __all__ = ["ResponseRecord"]
 
+DEGREE = float(np.pi / 180.0)
+
+
+def _angle(unit: str | None) -> float | None:
+    """Return the size of a unit of angles, rad; None of others."""
+    return {"deg": DEGREE, "degree": DEGREE, "degrees": DEGREE, "°": DEGREE, "rad": 1.0, "radians": 1.0}.get(
+        (unit or "").strip().casefold()
+    )
+
 
 def _complex(where: str, values: Any) -> np.ndarray:
     """Return complex numbers in one row."""
@@ -101,36 +110,54 @@ class ResponseRecord(AnyRecord):
 
         Args:
             source: path or object.
-            value: a complex column, or real and imaginary part as two.
+            value: a complex column; or two: real and imaginary part, or magnitude and phase where the second one is an
+                angle (deg, rad). A magnitude in dB needs the unit that it is over.
             frequency: column of the frequencies, by name or number from 1.
-            unit: of output over input, such as "m/s^2/N", where the source does not say.
+            unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say.
             frequency_unit: where the source does not say.
             more: all else that a `ResponseRecord` has.
 
         Raises:
             InputError: it cannot be read, a column or a unit is missing.
         """
-        columns = columns_of(source)
         parts = [value] if isinstance(value, str | int) else list(value)
+        columns = columns_of(source, parts[0])
         places = [columns.number("value", part) for part in parts]
         if len(places) > 2:
             raise InputError(
                 Fault("value", repr(value), "too many columns", "give one complex, or two real ones")
             )
-        written = {columns.units[k] for k in places} if unit is None else {unit}
-        if written == {None} or len(written) > 1:
+        if len(places) == 1 and not np.iscomplexobj(columns.values):
             raise InputError(
                 Fault(
                     f"{columns.source}: value",
                     repr(value),
-                    "its unit is not known",
+                    "its numbers are real, and a response has a phase",
+                    "give two columns: real and imaginary part, or magnitude and phase",
+                )
+            )
+        told = [columns.units[k] for k in places]
+        numbers = [columns.values[:, k] for k in places]
+        turn = _angle(told[1]) if len(places) > 1 else None
+        decibel = turn is not None and str(told[0]).strip().casefold() == "db"
+        written = set(told[:1] if turn is not None else told) - ({told[0]} if decibel else set())
+        if unit is not None:
+            written = {unit}
+        if written in (set(), {None}) or len(written) > 1:
+            raise InputError(
+                Fault(
+                    f"{columns.source}: value",
+                    repr(value),
+                    "it is not said what 0 dB are" if decibel else "its unit is not known",
                     "give unit, such as 'm/s^2/N'",
                 )
             )
         size = si_size(columns.source, "value", str(written.pop()))
-        values = columns.values[:, places[0]] + (
-            1j * columns.values[:, places[1]] if len(places) > 1 else 0.0
-        )
+        if turn is not None:
+            magnitude = 10.0 ** (numbers[0].real / 20.0) if decibel else numbers[0].real
+            values = magnitude * np.exp(1j * turn * numbers[1].real)
+        else:
+            values = numbers[0] + (1j * numbers[1] if len(places) > 1 else 0.0)
         return cls(columns.si("frequency", frequency, "Hz", frequency_unit), size * values, **more)
 
     @property
@@ -144,6 +171,9 @@ class ResponseRecord(AnyRecord):
         count = len(self.frequencies)
         found: np.ndarray = self.observed[:count] + 1j * self.observed[count:]
         return found
+
+    def _over(self) -> str:
+        return f" from {self.frequencies[0]:.6g} to {self.frequencies[-1]:.6g} Hz"
 
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:

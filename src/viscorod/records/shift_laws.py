@@ -27,7 +27,7 @@ class LawFit:
         values: its numbers: c1 and c2 [K], or the activation energy [J/mol].
         low, high: ends of their 95 % intervals, infinite or zero where the factors do not say.
         off: root mean square of decimal logarithms of the factors about the law.
-        information: Akaike's criterion, smaller is better.
+        information: Akaike's criterion with the law's own scatter, smaller is better.
         deviations: of log10 a_T about the law (n,).
     """
 
@@ -118,7 +118,8 @@ def _fitted(
     deviation = np.sqrt(np.maximum(np.diag(inverse @ middle @ inverse), 0.0))
     residual = np.asarray(law(best.x) - decades)
     misfit = float(np.sqrt(np.mean(residual**2)))
-    criterion = count * float(np.log(max(misfit, 1e-12) ** 2)) + 2.0 * numbers
+    variance = spread + max(off, 1e-6) ** 2
+    criterion = float(np.sum(residual**2 / variance + np.log(variance))) + 2.0 * (numbers + 1)
     return (
         best.x,
         deviation,

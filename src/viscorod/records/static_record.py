@@ -88,6 +88,11 @@ class StaticRecord(AnyRecord):
         unit = QUANTITIES[self.quantity].unit(self.direction)
         return ((f"{self.quantity} {direction_text(self.direction)} of {self.place}", unit),)
 
+    def _over(self) -> str:
+        return (
+            f" under loads from {self.loads[0]:.6g} to {self.loads[-1]:.6g}, {self.full_load:.6g} at factor 1"
+        )
+
     @described
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what an `Equilibrium` says at the loads (n,), straight lines between its states; see `AnyRecord`."""

@@ -26,6 +26,8 @@ __all__ = ["MasterCurve"]
 
 BEYOND = 2.0
 """Distance [K] from the temperatures of a law that is not told."""
+TOLD_APART = 2.0
+"""Difference of Akaike's criterion from which on one of two laws is called the better one."""
 WIDTH = "half of the 95 % interval"
 VARIABLES: Variables = {
     "temperature": (("sweep",), "degC", "temperature of the sample"),
@@ -109,6 +111,11 @@ class MasterCurve(StatelessResult):
         laws = self.laws
         return min(laws, key=lambda name: float(laws[name]["information"])) if laws else "table"
 
+    def _told_apart(self) -> bool:
+        """Return whether the better law is better by more than chance: two of Akaike's criterion."""
+        values = sorted(float(law["information"]) for law in self.laws.values())
+        return len(values) < 2 or values[1] - values[0] > TOLD_APART
+
     @checked_with(law=word)
     def shift(self, law: str | None = None) -> dict[str, Any]:
         """Return the shift for a `Material`, as the table of a case file: of `law`, or "table" for the factors.
@@ -164,14 +171,15 @@ class MasterCurve(StatelessResult):
             temperature: of the motion, degrees C.
             density: kg/m^3.
             poissons_ratio: taken as constant.
-            law: "wlf", "arrhenius" or "table"; left out, the one that fits better.
+            law: "wlf", "arrhenius" or "table"; left out, the one that fits better, and among sweeps to which no law was
+                fitted the table of shifts.
             band: reduced frequencies that count, Hz; left out, all.
             per_decade: Maxwell branches per decade at most.
 
         Raises:
             InputError: there is no such law.
         """
-        chosen = self.law if law is None else law
+        chosen = self._law_at(temperature) if law is None else law
         self._tell_beyond(chosen, temperature)
         about = self._law_reference(chosen)
         shift = float(np.interp(about, self.temperatures, self.log_shifts))
@@ -194,8 +202,28 @@ class MasterCurve(StatelessResult):
             "shift": self.shift(chosen),
         }
 
+    def _fitted(self, law: str) -> Floats:
+        """Return the temperatures that a law was fitted to; none of a table."""
+        if law not in self.laws:
+            return np.zeros(0)
+        return np.asarray(self.temperatures[self._column("in_laws") > 0.0])
+
+    def _law_at(self, temperature: float) -> str:
+        """Return the better law, or the table where only that reaches: shifts in a glass follow no law.
+
+        Between sweeps that share no moduli with others nobody knows the shift, and a table is no better than a law.
+        """
+        fitted, measured = self._fitted(self.law), self.temperatures
+        beyond = len(fitted) and not fitted.min() - BEYOND <= temperature <= fitted.max() + BEYOND
+        inside = measured.min() <= temperature <= measured.max()
+        falls = bool((np.diff(self.log_shifts) < 0.0).all())
+        above = min(int(np.searchsorted(measured, temperature)), len(measured) - 1)
+        apart = set(json.loads(self.data.attrs.get("apart", "[]")))
+        shared = not apart & set(measured[max(above - 1, 0) : above + 1].tolist())
+        return "table" if beyond and inside and falls and shared else self.law
+
     def _tell_beyond(self, law: str, temperature: float) -> None:
-        fitted = self.temperatures[self._column("in_laws") > 0.0] if law in self.laws else np.zeros(0)
+        fitted = self._fitted(law)
         if not len(fitted) or fitted.min() - BEYOND <= temperature <= fitted.max() + BEYOND:
             return
         nearest = float(self.temperatures[np.argmin(np.abs(self.temperatures - temperature))])
@@ -238,7 +266,9 @@ class MasterCurve(StatelessResult):
             )
             if law.get("reference", self.reference) != self.reference:
                 numbers += f" about {law['reference']:.4g} C"
-            better = ", the better one" if name == self.law and len(self.laws) > 1 else ""
+            better = ""
+            if name == self.law and len(self.laws) > 1:
+                better = ", the better one" if self._told_apart() else ", hardly told from the other"
             lines.append(f"  {name}: {numbers}; off by {law['off']:.2g} decades{better}")
         blocks.append("\n".join(lines))
         if self.warnings:

@@ -133,7 +133,7 @@ def series_of(
     for member in members:
         for record in member.records:
             observed = np.asarray(record.observed, dtype=float)
-            for label, part, group, regular in _channels(record):
+            for label, part, group, regular, curves in _channels(record):
                 told = record.noise is not None
                 noise = (
                     record.noise[part]
@@ -141,7 +141,8 @@ def series_of(
                     else _in_proportion(observed[part], relative=record.analysis == "modes")
                 )
                 rows = slice(begin + part.start, begin + part.stop)
-                series.append(Series(label, rows, regular, np.asarray(noise, dtype=float), told, group=group))
+                size = np.asarray(noise, dtype=float)
+                series.append(Series(label, rows, regular, size, told, group=group, curves=curves))
             measured.append(observed)
             begin += len(observed)
     for number, value, deviation in beliefs:
@@ -153,19 +154,23 @@ def series_of(
     return np.concatenate(measured), series
 
 
-def _channels(record: Any) -> Iterator[tuple[str, slice, str, bool]]:
-    """Yield the series of a record: label, rows, what short ones share their noise with, whether they are regular."""
+def _channels(record: Any) -> Iterator[tuple[str, slice, str, bool, int]]:
+    """Yield the series of a record.
+
+    That is label, rows, what short ones share their noise with, whether they are regular, and how many curves they are.
+    """
     count = len(record.observed)
     if record.analysis == "modes" and record.damping_ratios is not None:
         half = count // 2
-        yield f"{record.name}: frequencies", slice(0, half), "frequencies", False
-        yield f"{record.name}: damping ratios", slice(half, count), "ratios", False
+        yield f"{record.name}: frequencies", slice(0, half), "frequencies", False, 0
+        yield f"{record.name}: damping ratios", slice(half, count), "ratios", False, 0
     elif record.analysis == "modes":
-        yield f"{record.name}: frequencies", slice(0, count), "frequencies", False
+        yield f"{record.name}: frequencies", slice(0, count), "frequencies", False, 0
     else:
         regular = getattr(record, "interval", None) is not None
         quantity = getattr(record, "quantity", record.analysis)
-        yield record.name, slice(0, count), f"{record.analysis} {quantity}", regular
+        curves = 0 if regular else len(record.axes)
+        yield record.name, slice(0, count), f"{record.analysis} {quantity}", regular, curves
 
 
 def _in_proportion(observed: Floats, *, relative: bool) -> Floats:

@@ -10,7 +10,7 @@ from viscorod.analyses.identification.named_combinations import Combination
 from viscorod.results.text_numbers import scaled
 from viscorod.solve.estimation.intervals import Covariance, Interval
 from viscorod.solve.estimation.least_squares import Estimate
-from viscorod.solve.estimation.noise import Series, ljung_box
+from viscorod.solve.estimation.noise import Series, ljung_box, neighbours_alike
 
 __all__ = [
     "CORRELATED",
@@ -27,7 +27,7 @@ CORRELATED = 0.01
 """Probability of such an autocorrelation below which residuals are called correlated."""
 LEFT, LEFT_OF_FREQUENCIES = 0.3, 0.05
 """Part of the spread of values without a time, and of natural frequencies, that may be left before the model is said to
-miss something; their residuals show no colour."""
+miss something, whatever their neighbours show."""
 LARGER = 2.0
 """Times the noise that was told by which residuals must be larger to be called a miss of the model."""
 PARTS = 0.15
@@ -38,11 +38,17 @@ what noise of its colour would have, from which on the model misses part of the 
 
 
 def whiteness(best: Estimate) -> list[float]:
-    """Return of every series the probability of such an autocorrelation of its raw residuals; 1 where it has none."""
+    """Return of every series the probability of such an autocorrelation of its raw residuals; 1 where it has none.
+
+    Of responses, moduli, static loads and histories that are not evenly spaced it is that of neighbours.
+    """
     found = []
     for series in best.noise.series:
         part = (best.measured - best.predicted)[series.rows] / series.noise
-        found.append(ljung_box(part)[1] if series.regular and series.count >= 20 else 1.0)
+        if series.curves:
+            found.append(neighbours_alike(part, series.curves))
+        else:
+            found.append(ljung_box(part)[1] if series.regular and series.count >= 20 else 1.0)
     return found
 
 
@@ -68,8 +74,8 @@ def missed(best: Estimate, *, moved: bool = False) -> list[str]:
     """Return the series of which the model misses part, so that intervals do not hold for what it leaves out.
 
     Residuals are correlated and lie at the frequency of the record, or they are larger than the noise that was told; of
-    values without a time much is left. Where the colour of the noise has `moved` the numbers, all that is correlated
-    counts.
+    values without a time much is left, or neighbours go together, which no interval allows for. Where the colour of the
+    noise has `moved` the numbers, all that is correlated counts.
     """
     listed = zip(best.noise.series, best.noise.found, whiteness(best), at_signal(best), strict=True)
     return [
@@ -80,7 +86,9 @@ def missed(best: Estimate, *, moved: bool = False) -> list[str]:
             much_left(best, series)
             or (
                 probability < CORRELATED
-                and (moved or share > MISSED or (series.told and noise.factor > LARGER))
+                and (
+                    bool(series.curves) or moved or share > MISSED or (series.told and noise.factor > LARGER)
+                )
             )
         )
     ]
@@ -151,7 +159,13 @@ def _of_residuals(best: Estimate) -> list[str]:
             continue
         larger = series.told and noise.factor > LARGER
         level = f"{noise.factor:.3g} times the noise that was told" if larger else ""
-        if probability < CORRELATED:
+        if probability < CORRELATED and series.curves:
+            found.append(
+                f"What is left of {series.label} goes together from one point to the next (p = {probability:.1g} if it "
+                f"were noise){' and is ' + level if level else ''}: the model misses something of it. The intervals do "
+                "not hold for that."
+            )
+        elif probability < CORRELATED:
             text = (
                 f"What is left of {series.label} is correlated in time (p = {probability:.1g} if it were not)"
             )

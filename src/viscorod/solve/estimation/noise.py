@@ -31,6 +31,7 @@ __all__ = [
     "autocorrelation",
     "leverage",
     "ljung_box",
+    "neighbours_alike",
     "noise_of",
 ]
 
@@ -60,6 +61,8 @@ class Series:
         told: whether the noise was told.
         certain: whether that is beyond doubt, as what was believed beforehand is.
         group: short series of one group share their noise level.
+        curves: of values that are not regular in time: of how many curves of equal length they are the points one after
+            another, over frequency or load; 0 where neighbours have nothing to do with each other.
     """
 
     label: str
@@ -69,6 +72,7 @@ class Series:
     told: bool = False
     certain: bool = False
     group: str = ""
+    curves: int = 0
 
     @property
     def count(self) -> int:
@@ -289,6 +293,21 @@ def autocorrelation(residuals: Floats, count: int) -> Floats:
     if size == 0.0:
         return np.append(1.0, np.zeros(count))
     return np.array([float(residuals[: n - k] @ residuals[k:]) / size for k in range(count + 1)])
+
+
+def neighbours_alike(residuals: Floats, curves: int) -> float:
+    """Return the probability that neighbours of independent residuals go together as much, by their products.
+
+    Sum of r_k r_(k+1) over the root of the sum of their squares (White 1980), which holds for noise of any size from
+    point to point.
+
+    Args:
+        residuals: of the points of curves, one after another; curves: how many.
+    """
+    parts = residuals.reshape(curves, -1)
+    products = parts[:, 1:] * parts[:, :-1]
+    size = float(np.sqrt(np.sum(products**2)))
+    return float(2.0 * stats.norm.sf(abs(float(products.sum())) / size)) if size > 0.0 else 1.0
 
 
 def ljung_box(residuals: Floats, fitted: int = 0) -> tuple[float, float]:

@@ -1,0 +1,81 @@
+"""How many damped sines a record has, about which rest: fits by Bayes' criterion."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.records.damped_sines import SineFit, fit_sines, pencil_poles, residual_peak
+from viscorod.typing import Floats
+
+__all__ = ["MOST_MODES", "best_fit"]
+
+MOST_MODES = 6
+BETTER = 10.0
+"""Fall of Bayes' criterion from which on another number of modes, or another polynomial of the rest, is taken."""
+FAINT = 1e-7
+"""Part of all energy below which a mode is what rounding and interpolation left."""
+
+
+def best_fit(times: Floats, values: Floats, modes: int | None) -> SineFit | None:
+    """Return the fit with the number of modes and the rest that Bayes' criterion prefers."""
+    best: SineFit | None = None
+    last: SineFit | None = None
+    for count in range(1, MOST_MODES + 1) if modes is None else (modes,):
+        least = FAINT * float(np.sum((values - values.mean()) ** 2))
+        fits = (_fit(times, values, poles) for poles in _starts(times, values, count, last))
+        found = [fit for fit in fits if fit and (modes is not None or _sensible(fit, least))]
+        if not found:
+            break
+        last = min(found, key=lambda fit: fit.information)
+        if best is not None and last.information > best.information - BETTER:
+            break
+        best = last
+    return best
+
+
+def _starts(times: Floats, values: Floats, count: int, last: SineFit | None) -> list[np.ndarray]:
+    """Return poles to start from: those of the matrix pencil, and those of fewer modes with one of the residual."""
+    starts = []
+    poles = pencil_poles(times, values, count)
+    if len(poles) == count:
+        starts.append(poles)
+    if last is not None:
+        starts.append(np.append(last.poles, residual_peak(times, last.residual)))
+    elif count == 1:
+        starts.append(np.array([residual_peak(times, values - values.mean())]))
+    else:
+        fewer = best_fit(times, values, count - 1)
+        if fewer is not None:
+            starts.append(np.append(fewer.poles, residual_peak(times, fewer.residual)))
+    return starts
+
+
+def _fit(times: Floats, values: Floats, poles: np.ndarray) -> SineFit | None:
+    """Return the fit with the rest that Bayes' criterion prefers."""
+    best: SineFit | None = None
+    for rest in ("constant", "sloping", "relaxing", "curved"):
+        found = fit_sines(times, values, poles if best is None else best.poles, rest)
+        if found is not None and (best is None or found.information < best.information - BETTER):
+            best = found
+    return best
+
+
+def _sensible(fit: SineFit, least: float) -> bool:
+    """Return whether every mode stands out of the noise and of the others, and none grows without bound.
+
+    Two modes whose half-power bands overlap decay before they beat: one mode whose ratio depends on the amplitude would
+    look the same.
+    """
+    ordered = fit.poles[np.argsort(fit.poles.imag)]
+    if (np.diff(ordered.imag) < np.abs(ordered.real[1:]) + np.abs(ordered.real[:-1])).any():
+        return False
+    if len(fit.poles) > 1 and ordered[0].imag * fit.times[-1] < 2.0 * np.pi:
+        return False  # less than one cycle is the rest
+    nyquist = np.pi * (len(fit.times) - 1) / float(fit.times[-1])
+    for k, pole in enumerate(fit.poles):
+        energy = float(np.sum(fit.mode(k) ** 2))
+        if energy < max(25.0 * fit.noise**2, least) or pole.imag > nyquist or pole.real * fit.times[-1] > 0.5:
+            return False
+        if -pole.real > 0.7 * abs(pole):  # no swing: what creeps, or what the release left
+            return False
+    return True

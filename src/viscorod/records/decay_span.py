@@ -1,0 +1,172 @@
+"""Which part of a record is one free decay: from its release on, without clipping, strays and a second release."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from viscorod.records.damped_sines import SineFit, residual_peak
+from viscorod.records.decay_doubts import clipped_samples
+from viscorod.records.decay_fits import best_fit
+from viscorod.records.motion_record import Record
+from viscorod.records.stray_samples import MOST, dropouts, spikes
+from viscorod.typing import Floats
+
+__all__ = ["FEWEST", "DecaySpan"]
+
+FEWEST = 16
+"""Samples of a decay at least."""
+SWUNG = 0.05
+"""Part of the largest deviation that is reached on the other side after a passage through rest; a dropout is none."""
+MUCH_LEFT, LEFT_BEFORE = 0.1, 0.3
+"""What a fit leaves over the amplitude from which on a second motion is looked for, and what it leaves before that."""
+GROWN, GROWN_TO = 1.8, 0.25
+"""Growth of the level of a period within two periods that is a second motion, and its size over the first level."""
+
+
+@dataclass(frozen=True)
+class DecaySpan:
+    """A part of a record.
+
+    Attributes:
+        record: the whole, without strays; part: what is fitted.
+        begin_given, end_given: whether they stay.
+        stray: samples of the part that were left out.
+        again: time at which a second motion begins, s, or None.
+    """
+
+    record: Record
+    part: Record
+    begin_given: bool
+    end_given: bool
+    stray: int = 0
+    again: float | None = None
+
+    @classmethod
+    def of(cls, record: Record, start: float | None, end: float | None) -> DecaySpan:
+        """Return the span from the first passage through rest, or what was given."""
+        dropped = dropouts(record.values)
+        whole = _without(record, dropped)
+        begin = _start_of(whole.times, whole.values) if start is None else float(start)
+        last = float(record.times[-1]) if end is None else float(end)
+        inside = (record.times >= begin) & (record.times <= last)
+        stray = int(np.count_nonzero(dropped & inside))
+        return cls(whole, whole.window(begin, last), start is not None, end is not None, stray)
+
+    def narrower(self, fit: SineFit | None, modes: int | None) -> DecaySpan | None:
+        """Return what is left without what the fit shows to be no part of the decay; None if all of it is."""
+        first = float(self.part.times[0])
+        second = None if self.end_given else _set_in_motion_again(self.part, fit, modes)
+        if second is not None:
+            return replace(self, part=self.part.window(first, second), end_given=True, again=second)
+        if fit is None:
+            return None
+        free = None if self.begin_given else _after_clipping(self.part, fit)
+        if free is not None:
+            return replace(self, part=free, begin_given=True)
+        size = float(np.abs(fit.amplitudes).max())
+        far = spikes(fit.residual, size) | dropouts(fit.residual, size)
+        stray, count = self.stray + int(far.sum()), len(far)
+        if far.any() and stray <= MOST * (self.stray + count) and count - far.sum() >= FEWEST:
+            record = _without(self.record, np.isin(self.record.times, self.part.times[far]))
+            return replace(self, record=record, part=_without(self.part, far), stray=stray)
+        sunk = _sunk(fit)
+        if not self.end_given and sunk < self.part.times[-1] - first:
+            return replace(self, part=self.part.window(first, first + sunk), end_given=True)
+        return None
+
+    def notes(self) -> list[str]:
+        """Return what was left out, one sentence each."""
+        found = []
+        if self.stray:
+            found.append(
+                f"{self.stray} sample{' stands' if self.stray == 1 else 's stand'} far off the others (spikes, or "
+                f"dropouts), and {'is' if self.stray == 1 else 'are'} left out"
+            )
+        if self.again is not None:
+            found.append(
+                f"something sets it in motion again after {self.again:.4g} s: the record is used up to there; give "
+                "start for the second decay"
+            )
+        return found
+
+
+def _without(record: Record, which: np.ndarray) -> Record:
+    """Return a record without some samples."""
+    if not which.any():
+        return record
+    noise = None if record.noise is None else record.noise[~which]
+    return record.with_samples(record.times[~which], record.values[~which], noise)
+
+
+def _start_of(times: Floats, values: Floats) -> float:
+    """Return the first passage through rest after the largest deviation from it."""
+    rest = float(np.median(values[-max(len(values) // 3, 4) :]))
+    off = values - rest
+    far = np.abs(off) >= 0.9 * float(np.abs(off).max(initial=0.0))
+    first = int(np.argmax(far))
+    passed = first + 1 + np.flatnonzero(off[first:-1] * off[first + 1 :] <= 0.0)
+    if not len(passed):
+        return float(times[0])
+    side, least = -np.sign(off[first]), SWUNG * float(np.abs(off).max())
+    ends = [*passed[1:], len(off)]
+    through = [k for k, last in zip(passed, ends, strict=True) if (side * off[k:last]).max() > least]
+    return float(times[through[0] if through else passed[0]])
+
+
+def _set_in_motion_again(part: Record, fit: SineFit | None, modes: int | None) -> float | None:
+    """Return the time at which a decay is set in motion again: much is left over, and it grows at once."""
+    times, off = part.times - part.times[0], part.values - float(np.median(part.values))
+    if fit is None:
+        left, pole = float(np.std(off)), residual_peak(part.times, off)
+    else:
+        left, pole = fit.noise, fit.poles[int(np.argmax(np.abs(fit.amplitudes)))]
+        if left < MUCH_LEFT * float(np.abs(fit.amplitudes).max()):
+            return None
+    period = 2.0 * np.pi / float(pole.imag)
+    count = int(times[-1] / (0.5 * period)) - 1
+    level = np.zeros(max(count, 0))
+    for k in range(count):
+        inside = (times >= 0.5 * k * period) & (times < (0.5 * k + 1.0) * period)
+        level[k] = float(np.sqrt(np.mean(off[inside] ** 2))) if inside.any() else np.inf
+    for k in range(8, count):
+        if level[k] > GROWN * level[k - 4] and level[k] > GROWN_TO * level[0]:
+            second = float(part.times[0] + 0.5 * (k - 4) * period)
+            first = part.window(part.times[0], second)
+            if len(first.times) < FEWEST:
+                return None
+            alone = best_fit(first.times, first.values, modes)
+            return second if alone is not None and alone.noise < LEFT_BEFORE * left else None
+    return None
+
+
+def _after_clipping(part: Record, fit: SineFit) -> Record | None:
+    """Return a record from the first passage through rest after its last clipped sample; None if none is clipped.
+
+    What is left must have two cycles.
+    """
+    hertz = float(fit.poles.imag[int(np.argmax(np.abs(fit.amplitudes)))]) / (2.0 * np.pi)
+    held = clipped_samples(part.values, len(part.times) / float(part.times[-1] - part.times[0]) / hertz)
+    if not held.any():
+        return None
+    last = int(np.flatnonzero(held)[-1])
+    off = part.values[last:] - float(np.median(part.values[last:]))
+    passed = np.flatnonzero(off[:-1] * off[1:] <= 0.0)
+    begin = float(part.times[last + (int(passed[0]) + 1 if len(passed) else 1)])
+    free = part.window(begin, part.times[-1]) if begin < part.times[-1] else None
+    enough = free is not None and len(free.times) >= FEWEST and (free.times[-1] - begin) * hertz >= 2.0
+    return free if enough else None
+
+
+def _sunk(fit: SineFit) -> float:
+    """Return the time from the first sample at which all modes are below what a fit leaves over that is not noise.
+
+    Where it is noise later samples do no harm, and neither do they say anything.
+    """
+    if fit.is_white or not (fit.poles.real < 0.0).all():
+        return float("inf")
+    size = np.abs(fit.amplitudes)
+    sunk = float(np.max(np.log(np.maximum(size / fit.noise, 1.0)) / -fit.poles.real))
+    least = 4.0 * 2.0 * np.pi / float(fit.poles.imag.min())
+    return max(sunk, least, float(fit.times[min(2 * FEWEST, len(fit.times) - 1)]))
