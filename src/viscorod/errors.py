@@ -164,6 +164,8 @@ def reading(path: Path, what: str = "") -> Iterator[None]:
     except Exception as error:  # a damaged file brings out errors of every kind
         let_interrupts_through(error)
         part = f"; {what}" if what else ""
+        if path.suffix == ".toml":
+            raise InputError(f"{path} is no result; compute it first, with: viscorod run {path}") from None
         text = " ".join(str(error).split()) or type(error).__name__
         raise InputError(
             f"{path} cannot be read as netCDF4{part}: it is damaged, or another kind of file ({text[:200]}); "

@@ -204,8 +204,17 @@ def test_wrong_input_is_one_message(invoke, command, tmp_path):
     missing = invoke(command, "none.toml")
     assert (missing.exit_code, missing.stderr.count("\n")) == (2, 1)
     assert missing.stderr.startswith("error: none.toml is not a file; name a case file")
+    (tmp_path / "run.nc").write_bytes(b"")
+    assert (
+        "run.nc is a result, no case file; read it with: viscorod report" in invoke(command, "run.nc").stderr
+    )
     assert invoke(command, "csae.toml").stderr == "error: csae.toml is not a file; did you mean case.toml?\n"
     assert invoke(command, "four_bar").stderr.endswith("copy one with: viscorod example four_bar\n")
+    asked = invoke("report", "case.toml")
+    assert (asked.exit_code, asked.stderr) == (
+        2,
+        "error: case.toml is no result; compute it first, with: viscorod run case.toml\n",
+    )
     (tmp_path / "broken.toml").write_text("rods = [\n")
     broken = invoke(command, "broken.toml")
     assert broken.exit_code == 2

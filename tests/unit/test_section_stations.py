@@ -100,6 +100,11 @@ def test_jumps_and_kinks_of_listed_stations():
         (HEAD.replace("GJ", "GJ [N]") + "0,1,1,1,1,1,1\n", {}, "'N': the unit of column 7, GJ: this is a force"),
         (HEAD.replace("GJ", "EA") + "0,1,1,1,1,1,1\n", {}, "columns 2 and 7 are both EA"),
         (HEAD.replace(",GJ", "") + "0,1,1,1,1,1\n", {}, "GJ is missing"),
+        (
+            HEAD.replace(",GJ", ",mass") + "0,1,1,1,1,1,1\n",
+            {},
+            "GJ is missing(?s:.)*line 2: J1, J2 are missing; give mass, J1 and J2",
+        ),
         (HEAD + "1,1,1,1,1,1,1\n2,1,1,1,1,1,1\n", {}, "line 2, column s: the first station must be the start"),
         (HEAD + "0,1,1,1,1,1,1\n2,1,1,1,1,1,1\n1,1,1,1,1,1,1\n", {}, "line 4, column s: each station must lie"),
         (HEAD + "0,1,1,1,1,1,1\n", {}, "all stations are at the start"),

@@ -45,6 +45,27 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "size [m]")
 
 
+@pytest.mark.parametrize(
+    ("band", "label", "shown"),
+    [
+        ((1e5, 1e6), "frequency [kHz]", {"100", "200", "500", "1000"}),
+        ((5.0, 400.0), "frequency [Hz]", {"10", "20", "50", "100", "200"}),
+        ((1.0, 1e7), "frequency [Hz]", {"$\\mathdefault{10^{0}}$", "$\\mathdefault{10^{6}}$"}),
+    ],
+)
+def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
+    picture = figure(9.0, 4.0)
+    axes = picture.add_subplot()
+    axes.loglog(band, [1.0, 2.0])
+    clean(axes, "frequency [Hz]", "size")
+    axes.set_xlim(*band)
+    for _ in range(2):  # a second time changes nothing
+        with_prefixes(picture)
+    picture.draw_without_rendering()
+    assert axes.get_xlabel() == label
+    assert shown <= {text.get_text() for text in axes.get_xticklabels()}
+
+
 def test_axes_of_one_scale_keep_one_unit():
     picture = figure(5.0, 4.0)
     axes = picture.add_subplot()

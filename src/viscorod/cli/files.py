@@ -26,10 +26,12 @@ def existing(case: Path) -> Path:
     """Return the path of a case file that exists.
 
     Raises:
-        InputError: there is no such file.
+        InputError: there is no such file, or it is a result.
     """
     if not case.is_file():
         raise InputError(f"{case} is not a file; {_hint(case)}")
+    if case.suffix == ".nc":
+        raise InputError(f"{case} is a result, no case file; read it with: viscorod report {case}")
     return case
 
 

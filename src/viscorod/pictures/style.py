@@ -15,6 +15,7 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.axis import Axis
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.figure import Figure, SubFigure
@@ -31,6 +32,8 @@ _LETTER = 0.62
 """Width of a letter over its size, on average."""
 _HANDLE = 4.8
 """Width of the sample line of a legend and of the gaps around it, over the size of the letters."""
+_FEW_DECADES = 3.5
+"""Of a logarithmic axis whose ticks are more than powers of ten."""
 _UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
 """Of the axes that get a prefix."""
 DPI = 120
@@ -208,6 +211,8 @@ _NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
 def with_prefixes(picture: Figure) -> None:
     """Give every linear axis whose label ends with a unit, "time [s]", the prefix of what it shows, "time [µs]".
 
+    Logarithmic axes of frequencies, too, where decades are few: "20 kHz" is read at once, 2 x 10^4 Hz is not.
+
     What is drawn stays as it is; ticks and label tell it in the other unit.
     """
     for axes in picture.axes:
@@ -215,12 +220,30 @@ def with_prefixes(picture: Figure) -> None:
             continue
         for axis in (axes.xaxis, axes.yaxis):
             words, bracket, unit = axis.get_label_text().rpartition(" [")
-            if not bracket or unit[:-1] not in _UNITS or axis.get_scale() != "linear":
+            if not bracket or unit[:-1] not in _UNITS:
+                continue
+            if axis.get_scale() == "log" and unit == "Hz]":
+                _log_frequencies(axis, words)
+            if axis.get_scale() != "linear":
                 continue
             factor, name = scaled(unit[:-1], axis.get_view_interval())
             if factor != 1.0:
                 axis.set_major_formatter(_times(factor))
                 axis.set_label_text(f"{words} [{name}]")
+
+
+def _log_frequencies(axis: Axis, words: str) -> None:
+    """Write the ticks of a logarithmic axis of frequencies as plain numbers, 2 and 5 too, where decades are few."""
+    from matplotlib.ticker import LogLocator, NullFormatter
+
+    low, high = axis.get_view_interval()
+    if not 0.0 < low < high < 10.0**_FEW_DECADES * low:
+        return
+    factor, unit = scaled("Hz", np.sqrt(low * high))
+    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    axis.set_major_formatter(_times(factor))
+    axis.set_minor_formatter(NullFormatter())
+    axis.set_label_text(f"{words} [{unit}]")
 
 
 def _times(factor: float) -> Callable[[float, object], str]:

@@ -118,15 +118,26 @@ def stiffness_from(numbers: Mapping[str, float], times: Sequence[float] | None =
     Raises:
         InputError: some are missing, or such a section does not exist.
     """
-    stiffness = diagonal_by_name(
-        {name: numbers[name] for name in STIFFNESS_NAMES if name in numbers}, all_needed=True
+    stiffnesses, inertias = (
+        {name: numbers[name] for name in names if name in numbers}
+        for names in (STIFFNESS_NAMES, INERTIA_NAMES)
     )
-    inertias = {name: numbers[name] for name in INERTIA_NAMES if name in numbers}
+    problems: list[Fault] = []
+    try:
+        stiffness = diagonal_by_name(stiffnesses, all_needed=True)
+    except InputError as error:
+        problems += error.problems
+    try:
+        moving = inertia_by_name(inertias) if inertias else None
+    except InputError as error:
+        problems += error.problems
+    if problems:
+        raise InputError(problems)
     tension, shear, mass = (
         tuple(numbers.get(f"{which} centre {axis}", 0.0) for axis in (1, 2))
         for which in ("tension", "shear", "mass")
     )
-    inertia = _about_line(inertia_by_name(inertias), mass, mass) if inertias else None
+    inertia = _about_line(moving, mass, mass) if moving else None
     return StiffnessSection(_about_line(stiffness, tension, shear), inertia, times=times)
 
 

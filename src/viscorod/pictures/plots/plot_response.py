@@ -25,6 +25,7 @@ from viscorod.pictures.style import (
     headline,
     legend_above,
 )
+from viscorod.results.text_numbers import quantity
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -181,7 +182,7 @@ def _nyquist(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes |
                 told.append(complex(values[at]))
                 axes.plot(values[at].real, values[at].imag, "o", color=GREY, markersize=4)
                 axes.annotate(
-                    "" if close else f"{one.frequency:.4g} Hz",
+                    "" if close else quantity(one.frequency, "Hz", 4),
                     (values[at].real, values[at].imag),
                     xytext=(5, 5),
                     textcoords="offset points",
