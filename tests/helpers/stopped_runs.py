@@ -9,7 +9,7 @@ import sys
 import traceback
 
 import viscorod as vr
-from viscorod.results.files.journal import FOLDER
+from viscorod.results.files.journal_folder import FOLDER
 
 TWINS = ("states.json", "states.twin.json", "layout.nc", "layout.twin.nc")
 FILES = ("states.bin", *TWINS, "checkpoint.npz", "before.npz")
@@ -115,7 +115,7 @@ def _inside(source):
 
 def gone_on(folder):
     """The run in a folder that was interrupted somewhere: gone on, complete, or begun anew where nothing is there."""
-    from viscorod.results.files.journal import holds_run
+    from viscorod.results.files.journal_folder import holds_run
 
     if holds_run(folder / FOLDER):
         return swing().simulate(**GIVEN, folder=folder, resume=True)

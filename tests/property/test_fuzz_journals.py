@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 import viscorod as vr
 from helpers import stopped_runs as runs
 from viscorod.results.files import stream as streaming
-from viscorod.results.files.journal import FOLDER
+from viscorod.results.files.journal_folder import FOLDER
 
 MANY = settings.default.max_examples > 1000
 FIXTURES = [HealthCheck.function_scoped_fixture, HealthCheck.too_slow]

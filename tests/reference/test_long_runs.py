@@ -29,7 +29,9 @@ from viscorod.cli.app import app
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.results.files import checkpoint_file, journal, storage
 from viscorod.results.files import stream as streaming
-from viscorod.results.files.journal import FOLDER, Journal, checkpoint, contents
+from viscorod.results.files.journal import Journal
+from viscorod.results.files.journal_folder import FOLDER
+from viscorod.results.files.stored_journal import checkpoint, contents
 
 from .cases import cantilever
 

@@ -18,9 +18,9 @@ from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import DEEPEST_NESTING
 from viscorod.model.materials.dma_table import read_dma_table
-from viscorod.results.files.journal import checkpoint, contents
 from viscorod.results.files.sealed_file import IDENTITY, write_sealed
 from viscorod.results.files.storage import load
+from viscorod.results.files.stored_journal import checkpoint, contents
 
 
 @pytest.fixture

@@ -29,18 +29,11 @@ from viscorod.cli.app import app
 from viscorod.pictures.viewer import view
 from viscorod.results.files import csv_text, folder_lock
 from viscorod.results.files import stream as streaming
-from viscorod.results.files.journal import (
-    FOLDER,
-    Journal,
-    contents,
-    damaged,
-    empty,
-    holds_run,
-    last_checkpoint,
-    mended,
-)
+from viscorod.results.files.journal import Journal
+from viscorod.results.files.journal_folder import FOLDER, empty, holds_run
 from viscorod.results.files.paraview import write_paraview
 from viscorod.results.files.sealed_file import mend_twins, read_sealed, read_twins
+from viscorod.results.files.stored_journal import contents, damaged, last_checkpoint, mended
 from viscorod.results.run import Run
 
 pytestmark = [

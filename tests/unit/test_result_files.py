@@ -376,7 +376,7 @@ def test_parts_of_an_array_are_those_of_the_whole(shape, tmp_path, monkeypatch):
 
 def test_a_run_that_went_to_disk_has_checksums_too(tmp_path, monkeypatch):
     """Written in many pieces, which are not those of the arrays."""
-    monkeypatch.setattr("viscorod.results.files.journal.CHUNK", 2e4)
+    monkeypatch.setattr("viscorod.results.files.stored_journal.CHUNK", 2e4)
     monkeypatch.setattr("viscorod.results.files.pieces_of_arrays.PIECE", 3000)
     case = copy.deepcopy(CASES["cantilever_swing"])
     for rod in case["rods"].values():

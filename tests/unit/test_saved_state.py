@@ -6,7 +6,8 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.warmup import SPAN, soft_model
-from viscorod.results.files.journal import Journal, checkpoint
+from viscorod.results.files.journal import Journal
+from viscorod.results.files.stored_journal import checkpoint
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.saved_state import hand_over, restore, saved

@@ -17,7 +17,8 @@ from viscorod.errors import InputError, SolveError, last_warnings
 from viscorod.results.buckling import Buckling
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files.folder_lock import claimed
-from viscorod.results.files.journal import FOLDER, about
+from viscorod.results.files.journal_folder import FOLDER
+from viscorod.results.files.stored_journal import about
 from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.modes_result import Modes
 from viscorod.results.periodic import Periodic

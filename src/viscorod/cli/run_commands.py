@@ -71,7 +71,8 @@ def resume(
         from viscorod.casefile.case import parse_case
         from viscorod.casefile.set_values import with_values
         from viscorod.results.files.folder_lock import require_free, require_stopped
-        from viscorod.results.files.journal import FOLDER, about
+        from viscorod.results.files.journal_folder import FOLDER
+        from viscorod.results.files.stored_journal import about
 
         require_free(folder, stopped=True)
         require_stopped(folder)
@@ -116,8 +117,8 @@ def _compute(
     from viscorod.analyses.case_run import run_case
     from viscorod.analyses.progress import reporting
     from viscorod.results.files.folder_lock import claimed
-    from viscorod.results.files.journal import FOLDER
-    from viscorod.results.files.journal import empty as remove
+    from viscorod.results.files.journal_folder import FOLDER
+    from viscorod.results.files.journal_folder import empty as remove
     from viscorod.results.run import Run
     from viscorod.solve.settings.motion import SimulateSettings
 

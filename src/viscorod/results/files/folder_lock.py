@@ -17,7 +17,7 @@ from typing import IO, Any
 from weakref import WeakValueDictionary
 
 from viscorod.errors import InputError, warn
-from viscorod.results.files.journal import FOLDER, LOCK, empty, holds_run
+from viscorod.results.files.journal_folder import FOLDER, LOCK, empty, holds_run
 from viscorod.whole_files import system_errors
 
 __all__ = ["claimed", "locked", "require_free", "require_stopped"]

@@ -8,7 +8,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from viscorod.errors import InputError, warn
-from viscorod.results.files.journal import FOLDER, checkpoint, contents, damaged, holds_run
+from viscorod.results.files.journal_folder import FOLDER, holds_run
+from viscorod.results.files.stored_journal import checkpoint, contents, damaged
 
 if TYPE_CHECKING:
     import xarray as xr

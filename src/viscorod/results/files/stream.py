@@ -13,8 +13,10 @@ from typing import TYPE_CHECKING, Any, Protocol
 import numpy as np
 
 from viscorod.errors import InputError
-from viscorod.results.files.journal import FOLDER, Journal, about, complete, last_checkpoint, mended
+from viscorod.results.files.journal import Journal
+from viscorod.results.files.journal_folder import FOLDER
 from viscorod.results.files.storage import write
+from viscorod.results.files.stored_journal import about, complete, last_checkpoint, mended
 from viscorod.solve.history import History, Records, Snapshot
 from viscorod.solve.transient.pose_check import MOST
 from viscorod.whole_files import why_not

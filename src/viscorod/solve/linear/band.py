@@ -10,7 +10,11 @@ from __future__ import annotations
 from viscorod.mechanics.compilation.compiled import part
 from viscorod.typing import Floats, Integers
 
-__all__ = ["factorise_band", "solve_band", "subtract"]
+__all__ = ["BLOCKED", "factorise_band", "solve_band", "subtract"]
+
+
+BLOCKED = 32
+"""LAPACK's band LU works on blocks of so many columns; below, it has a call per column, and this one is faster."""
 
 
 @part

@@ -42,8 +42,8 @@ class Elimination(NamedTuple):
         """
         there = np.ones(pattern.size, dtype=bool)
         there[list(without)] = False
-        interiors = [members[there[members].all(axis=1)] for members in map(np.asarray, interiors)]
-        groups = [np.asarray(members, dtype=np.int64) for members in interiors]
+        given = (np.asarray(members, dtype=np.int64) for members in interiors)
+        groups = [members[there[members].all(axis=1)] for members in given]
         sizes = np.concatenate([np.zeros(0, int), *(np.full(len(g), g.shape[1]) for g in groups)]).astype(int)
         members = np.concatenate([np.zeros(0, np.int64), *(g.ravel() for g in groups)])
         numbers = np.repeat(np.arange(len(sizes)), sizes)

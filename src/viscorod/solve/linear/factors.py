@@ -7,15 +7,17 @@ matrix is a band, column by column in LAPACK's storage, or goes to a sparse LU b
 
 from __future__ import annotations
 
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
-from viscorod.solve.linear.band import factorise_band
-from viscorod.solve.linear.plan import BLOCKED, Plan
+from viscorod.solve.linear.band import BLOCKED, factorise_band
 from viscorod.solve.linear.routines import LETTERS, gbtrf, gemm, getrf, trsm
 from viscorod.typing import Floats, Integers
+
+if TYPE_CHECKING:
+    from viscorod.solve.linear.plan import Plan
 
 HEAD = 12
 """Pivots begin here among the integers for LAPACK, after its letters and arguments."""

@@ -8,20 +8,11 @@ from functools import cached_property
 import numpy as np
 from scipy import sparse
 
-from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.solve.linear.direct import DirectSolver
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
-from viscorod.typing import Floats, Integers
-
-
-@kernel
-def scale_blocks(rows: Integers, columns: Integers, scales: Floats, blocks: Floats) -> None:
-    """Multiply the rows and columns of a matrix by ``scales (6 N,)``; ``rows, columns`` are those of its pattern."""
-    for s in range(blocks.shape[0]):
-        for j in range(6):
-            for i in range(6):
-                blocks[s, j, i] *= scales[6 * rows[s] + i] * scales[6 * columns[s] + j]
+from viscorod.solve.linear.scaling import scale_blocks
+from viscorod.typing import Floats
 
 
 def unit_of(length: float) -> float:

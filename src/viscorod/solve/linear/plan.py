@@ -8,6 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
+from viscorod.solve.linear.band import BLOCKED
 from viscorod.solve.linear.elimination import Elimination
 from viscorod.solve.linear.ordering import band_order, half_bandwidth, sparse_order
 from viscorod.solve.linear.pattern import Pattern
@@ -15,9 +16,6 @@ from viscorod.typing import Integers
 
 NARROW = 12
 """Bands that half_bandwidth no farther (in block rows) are never wider than worth it: no sparse LU is tried."""
-
-BLOCKED = 32
-"""LAPACK's band LU works on blocks of so many columns; below, it has a call per column, and ours is faster."""
 
 
 @dataclass(frozen=True)
