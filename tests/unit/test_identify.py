@@ -768,3 +768,15 @@ def test_the_posterior_of_a_modulus_is_the_belief_in_the_gain():
     assert factor.std() == pytest.approx(0.05, rel=0.2)
     assert np.corrcoef(modulus, np.log(factor))[0, 1] > 0.99
     assert abs(np.mean(modulus - np.log(factor))) < 3e-3
+
+
+def test_spikes_of_a_history_are_named_unless_they_count_less():
+    record = history(swing(), size=2e-4)
+    values = record.values.copy()
+    values[[20, 47, 80]] += [0.05, -0.04, 0.06]
+    spiky = record.with_samples(record.times, values)
+    fit = vr.identify(swing(), spiky, {YOUNG: 1.02e6}, profile=False)
+    assert any("3 samples of tip stand far off the others" in text for text in fit.sentences), fit.sentences
+    robust = vr.identify(swing(), spiky, {YOUNG: 1.02e6}, profile=False, robust=True)
+    assert not any("far off" in text for text in robust.sentences)
+    assert abs(robust[YOUNG].value - 1e6) < 3.0 * robust[YOUNG].standard_error

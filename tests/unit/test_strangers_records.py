@@ -264,3 +264,22 @@ def test_decibels_need_what_they_are_over(tmp_path):
     file.write_text("f [Hz],mag [dB],phase [deg]\n1,0,0\n2,0,0\n")
     with pytest.raises(vr.InputError, match="it is not said what 0 dB are; give unit"):
         vr.ResponseRecord.read(file, ["mag", "phase"])
+
+
+def test_a_marker_that_was_not_seen_is_a_gap(tmp_path):
+    """Programs write it as no number, or as the origin."""
+    ezc3d = pytest.importorskip("ezc3d", reason="C3D files need the extra viscorod[records]")
+    file = ezc3d.c3d()
+    file["parameters"]["POINT"]["RATE"]["value"] = [100.0]
+    file["parameters"]["POINT"]["LABELS"]["value"] = ["tip"]
+    file["parameters"]["POINT"]["UNITS"]["value"] = ["mm"]
+    points = np.ones((4, 1, 8))
+    points[1, 0] = np.arange(8.0)
+    points[:3, 0, 3] = 0.0
+    points[:3, 0, 5] = np.nan
+    file["data"]["points"] = points
+    file.write(str(tmp_path / "a.c3d"))
+    with pytest.raises(vr.InputError, match="row 4 of the numbers: there is no number"):
+        vr.Record.read(tmp_path / "a.c3d", "tip y", **HOW)
+    seen = vr.Record.read(tmp_path / "a.c3d", "tip y", gaps="leave out", **HOW)
+    assert seen.values == pytest.approx(1e-3 * np.array([0.0, 1.0, 2.0, 4.0, 6.0, 7.0]))

@@ -177,6 +177,7 @@ def _of_c3d(path: Path) -> Columns:
         raise InputError(
             Fault(str(path), "", f"it cannot be read as C3D ({error})", "check the file")
         ) from None
+    places[:, (places == 0.0).all(axis=0)] = np.nan  # what a camera did not see stands at the origin
     count = places.shape[2]
     names, columns, units = ["time"], [np.arange(count) / rate], ["s"]
     for k in range(places.shape[1]):

@@ -7,10 +7,11 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from viscorod.analyses.identification.named_combinations import Combination
+from viscorod.records.stray_samples import dropouts, spikes
 from viscorod.results.text_numbers import scaled
 from viscorod.solve.estimation.intervals import Covariance, Interval
 from viscorod.solve.estimation.least_squares import Estimate
-from viscorod.solve.estimation.noise import Series, ljung_box, neighbours_alike
+from viscorod.solve.estimation.noise import LEAST_OWN, Series, ljung_box, neighbours_alike
 
 __all__ = [
     "CORRELATED",
@@ -157,6 +158,13 @@ def _of_residuals(best: Estimate) -> list[str]:
     ):
         if series.certain:
             continue
+        strays = _strays(best, series) if noise.weights is None else 0
+        if strays:
+            found.append(
+                f"{strays} sample{' of ' if strays == 1 else 's of '}{series.label} "
+                f"{'stands' if strays == 1 else 'stand'} far off the others (spikes, or dropouts): leave them out, or "
+                "give robust = true."
+            )
         larger = series.told and noise.factor > LARGER
         level = f"{noise.factor:.3g} times the noise that was told" if larger else ""
         if probability < CORRELATED and series.curves:
@@ -186,6 +194,14 @@ def _of_residuals(best: Estimate) -> list[str]:
                 f"What is left of {series.label} is {level}: the model misses something, or the noise is larger."
             )
     return found
+
+
+def _strays(best: Estimate, series: Series) -> int:
+    """Return how many residuals of a history are no part of its motion or its noise."""
+    if not series.regular or series.count < LEAST_OWN:
+        return 0
+    residual, size = best.residuals[series.rows], float(np.ptp(best.predicted[series.rows]))
+    return int(np.count_nonzero(spikes(residual, size) | dropouts(residual, size)))
 
 
 def _percent(part: float) -> str:
