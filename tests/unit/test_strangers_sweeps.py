@@ -162,6 +162,11 @@ UNIFORM = np.array([[0.1], [0.4], [0.9]])
             "one of 0.01: 0.3, 0.02: 0.7",
         ),
         (scipy.stats.randint(1, 4), [1, 2, 3], "randint(1, 4)"),
+        (
+            scipy.stats.rv_histogram(([1, 1], [0.0, 1.0, 3.0]), density=False),
+            [0.2, 0.8, 2.6],
+            "histogram from 0 to 3",
+        ),
         (scipy.stats.uniform(1.0, 2.0), [1.2, 1.8, 2.8], "uniform(1, 2)"),
     ],
 )

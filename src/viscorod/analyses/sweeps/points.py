@@ -168,6 +168,9 @@ def distribution_text(distribution: Any) -> str:
         pairs = list(zip(np.ravel(distribution.xk), np.ravel(distribution.pk), strict=False))
         told = [f"{value:g}: {part:g}" for value, part in pairs[:MOST_TOLD]]
         return f"one of {', '.join(told)}" + (", ..." if len(pairs) > MOST_TOLD else "")
+    if type(distribution).__name__ == "rv_histogram":  # such as the draws of a fit
+        low, high = (float(distribution.ppf(end)) for end in (0.0, 1.0))
+        return f"histogram from {low:.6g} to {high:.6g}"
     if hasattr(distribution, "icdf"):
         return re.sub(r"np\.\w+\(([^()]*)\)", lambda found: f"{float(found[1]):g}", repr(distribution))
     name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
