@@ -190,6 +190,22 @@ def si_of(unit: str) -> float:
     return float(_factor(unit)[0])
 
 
+def si_and_kind(text: str) -> tuple[float, Dimension] | None:
+    """Return a number with a unit as a number in SI, and its powers of m, kg, s, rad and so on; None if it is none.
+
+    None too of what is a frequency in one place and an angular velocity in another, such as 60 rpm.
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None or match[2] is None:
+        return None
+    try:
+        factor, kind = _factor(match[2])
+        found = float(Fraction(match[1]) * factor)
+    except (RefusedError, OverflowError):
+        return None
+    return None if dict(_core(kind)) == {"second": -1} else (found, kind)
+
+
 class Measured(float):
     """A number in SI that was given with a unit where it is not known yet what it measures.
 

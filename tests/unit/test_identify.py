@@ -683,7 +683,14 @@ def test_draws_come_back_from_a_file_as_arviz_takes_them(tmp_path):
     assert float(draws.mean()) == pytest.approx(fit[YOUNG].value, abs=fit[YOUNG].standard_error)
     assert float(draws.std()) == pytest.approx(fit[YOUNG].standard_error, rel=0.5)
     assert tree["sample_stats"]["lp"].shape == draws.shape
-    assert fit.distributions()[YOUNG].mean() == pytest.approx(float(draws.mean()), rel=1e-3)
+    known = fit.distributions()
+    assert known[YOUNG].mean() == pytest.approx(float(draws.mean()), rel=1e-3)
+    correlation = fit.correlation_of_distributions()
+    quantities = {"hertz": ("frequency", 1)}
+    found = vr.ensemble(fit.case, known, 16, quantities=quantities, correlation=correlation, workers=1)
+    spread = np.log(found.table()[[YOUNG, "hertz"]]).std()  # frequencies go with the root of E
+    assert spread["hertz"] == pytest.approx(0.5 * spread[YOUNG], rel=1e-3)
+    assert spread[YOUNG] == pytest.approx(float(np.log(draws).std()), rel=0.3)
 
 
 def lengths(folder, sought, mass=0.005, at=(0.3, 0.4, 0.5, 0.6)):

@@ -9,6 +9,7 @@ import pytest
 
 import viscorod as vr
 from helpers.strip import content
+from viscorod.analyses.sweeps import executors
 from viscorod.casefile.case import case_from_dict
 
 distributed = pytest.importorskip("distributed")
@@ -40,3 +41,18 @@ def test_a_worker_of_dask_that_is_killed_loses_nothing(tmp_path):
     names = [json.loads(line)["name"] for line in lines.splitlines() if line]
     assert set(table["outcome"]) == {"completed"}
     assert len(set(names)) == 8
+
+
+@pytest.mark.parametrize(
+    ("address", "words"),
+    [
+        ("tcp://127.0.0.1:1", "no scheduler answered within 0.5 s"),
+        ("localhost", "this is no address .missing port number"),
+        ("http://localhost:80", "this is no address .unknown address scheme"),
+    ],
+)
+def test_an_address_without_a_scheduler_is_told(address, words, monkeypatch):
+    monkeypatch.setattr(executors, "PATIENCE", 0.5)
+    case = case_from_dict(content("equilibrium"))
+    with pytest.raises(vr.InputError, match=words):
+        vr.sweep(case, {"loads[0].value[1]": [1e-4]}, quantities={}, executor=f"dask:{address}")

@@ -215,6 +215,7 @@ def test_the_command_writes_large_sweeps_so(tmp_path, monkeypatch, asked, name):
     done = CliRunner().invoke(app, ["sweep", str(path), *widths, *asked])
     assert done.exit_code == 0, done.output
     found = vr.load(tmp_path / "out" / name)
-    assert found.table()["rods.beam.section.width"].tolist() == ["9 mm", "10 mm", "11 mm"]
+    assert found.table()["rods.beam.section.width"].tolist() == [0.009, 0.01, 0.011]
+    assert found.table(as_given=True)["rods.beam.section.width"].tolist() == ["9 mm", "10 mm", "11 mm"]
     assert (found.members[2].result is None) == bool(asked)
     assert vr.load(tmp_path / "out" / "sweep").count_completed == 3

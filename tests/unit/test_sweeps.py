@@ -208,7 +208,10 @@ WRONG = [
     ({"materials.gum": [1]}, "materials.gum: no such key; The keys here are rubber"),
     ({"rod.beam.elements": [1]}, "rod: no such key; did you mean rods? The keys here are title, materials"),
     ({"rods.beam.elements": [1, 0]}, "rods.beam.elements: 0: a whole number is needed here"),
-    ({"rods.beam.section": ["thin", "thik"]}, "there is no section of this name; did you mean 'thin'?"),
+    (
+        {"rods.beam.section": ["thin", "thik"]},
+        "there is no section of this name (member 1); did you mean 'thin'?",
+    ),
     (
         {"loads[1].value": [[0, 0, 1]]},
         "loads[1]: a list of 1: there is no such entry; give a number from 0 to 0",

@@ -83,8 +83,14 @@ def ensemble(
     uniform = uniform_points(n, len(keys) * (2 if indices else 1), seed)
     rows = _saltelli_rows(uniform, len(keys)) if indices else uniform
     columns = points_of(rows, distributions, correlation)
+    correlated = () if correlation is None else np.asarray(correlation, dtype=float).tolist()
     design = Design(
-        keys, tuple(map(distribution_text, distributions.values())), int(n), int(seed), bool(indices)
+        keys,
+        tuple(map(distribution_text, distributions.values())),
+        int(n),
+        int(seed),
+        bool(indices),
+        tuple(map(tuple, correlated)),
     )
     if folder is not None:
         SweepFolder(Path(folder)).describe(design.record)

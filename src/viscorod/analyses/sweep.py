@@ -118,7 +118,7 @@ def sweep(
         store.take(names, found)
     due = [k for k in _chosen(len(rows), members) if k not in found]
     # what is there already was looked at before
-    notes = checked(case, [rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])], wanted, keep)
+    notes = checked(case, {k: rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])}, wanted, keep)
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     if store is not None:

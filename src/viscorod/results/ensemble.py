@@ -13,6 +13,7 @@ from viscorod.checks import checked, numbers
 from viscorod.errors import Fault, InputError
 from viscorod.results.ensemble_design import Design
 from viscorod.results.ensemble_report import report_of
+from viscorod.results.sobol_indices import with_intervals
 from viscorod.results.sweep_result import Sweep
 from viscorod.typing import Floats
 
@@ -26,7 +27,6 @@ __all__ = ["CONFIDENCE", "Design", "Ensemble"]
 
 CONFIDENCE = 0.95
 LEVELS = (0.05, 0.25, 0.5, 0.75, 0.95)
-RESAMPLES = 400
 LEAST = 8
 """Members from which on there are quantiles and indices."""
 
@@ -63,6 +63,24 @@ class Ensemble(Sweep):
         """What is wrong with the other quantities that are numbers, in words: too few members have them."""
         return tuple(told for name in self._columns if (told := self._too_few(name)))
 
+    @property
+    def samples(self) -> int:
+        """How many members are independent samples: of an ensemble with indices two for every point, else all."""
+        return 2 * self.design.n if self.design.indices else len(self.members)
+
+    @property
+    def partial(self) -> tuple[str, ...]:
+        """Which of the numbers not all samples have, in words: quantiles are those of the samples that have them."""
+        found = []
+        for name in self.numbers:
+            have, count = len(self._samples(name)), self.samples
+            if have < count:
+                found.append(
+                    f"{name}: {have} of {count} samples have it, and quantiles are those of these alone: if "
+                    "others have none because of their values, they are not those of all"
+                )
+        return tuple(found)
+
     def _too_few(self, name: str) -> str:
         """Say that too few of the members that are samples of a quantity have it; empty if enough have."""
         count = len(self._samples(name))
@@ -91,10 +109,13 @@ class Ensemble(Sweep):
         return self._samples(quantity)
 
     def _samples(self, quantity: str) -> Floats:
-        column = self._columns[quantity]
-        if self.design.indices:
-            column = column.reshape(self.design.n, -1)[:, :2].T.reshape(-1)
+        column = self._independent(quantity)
         return column[np.isfinite(column)]
+
+    def _independent(self, quantity: str) -> Floats:
+        """Return a quantity of all members that are independent of each other; NaN of those that do not have it."""
+        column = self._columns[quantity]
+        return column.reshape(self.design.n, -1)[:, :2].T.reshape(-1) if self.design.indices else column
 
     def _require_numbers(self) -> None:
         if not self.numbers:
@@ -180,6 +201,18 @@ class Ensemble(Sweep):
         """
         import pandas as pd
 
+        rows, without = self._sobol_rows
+        if not rows:
+            raise InputError("; ".join(without))
+        return pd.DataFrame(rows).set_index(["quantity", "key"])
+
+    @property
+    def without_indices(self) -> tuple[str, ...]:
+        """Which numbers have no Sobol' indices, or those of some points only, in words."""
+        return tuple(self._sobol_rows[1])
+
+    @cached_property
+    def _sobol_rows(self) -> tuple[list[dict[str, Any]], list[str]]:
         if not self.design.indices:
             raise InputError("the ensemble has no rows for Sobol' indices; compute it with indices=True")
         self._require_numbers()
@@ -187,35 +220,22 @@ class Ensemble(Sweep):
         without: list[str] = []
         for name in self.numbers:
             found = self._columns[name].reshape(self.design.n, -1)
-            found = found[np.isfinite(found).all(axis=1)]
-            if len(found) < LEAST:
-                without.append(f"{name}: {len(found)} points have all their members; {LEAST} are needed")
+            whole = found[np.isfinite(found).all(axis=1)]
+            if len(whole) < LEAST:
+                without.append(f"{name}: {len(whole)} points have all their members; {LEAST} are needed")
                 continue
-            if not np.ptp(found[:, :2]) > 0.0:
+            if not np.ptp(whole[:, :2]) > 0.0:
                 without.append(f"{name} does not vary; it has no Sobol' indices")
                 continue
-            first, total = _sobol(found)
-            random = np.random.default_rng(self.design.seed)
-            drawn = random.integers(len(found), size=(RESAMPLES, len(found)))
-            again = np.array([_sobol(found[rows_drawn]) for rows_drawn in drawn])
-            tail = 50.0 * (1.0 - CONFIDENCE)
-            low, high = np.percentile(again, [tail, 100.0 - tail], axis=0)
-            for k, key in enumerate(self.design.keys):
-                rows.append(
-                    {
-                        "quantity": name,
-                        "key": key,
-                        "first": first[k],
-                        "first_lower": low[0, k],
-                        "first_upper": high[0, k],
-                        "total": total[k],
-                        "total_lower": low[1, k],
-                        "total_upper": high[1, k],
-                    }
-                )
-        if not rows:
-            raise InputError("; ".join(without))
-        return pd.DataFrame(rows).set_index(["quantity", "key"])
+            if len(whole) < len(found):
+                told = f"{name}: {len(whole)} of {len(found)} points have all their members"
+                without.append(f"{told}; the others are left out of its indices")
+            of_keys = with_intervals(whole, self.design.seed, CONFIDENCE)
+            rows += [
+                {"quantity": name, "key": key, **numbers}
+                for key, numbers in zip(self.design.keys, of_keys, strict=True)
+            ]
+        return rows, without
 
     def report(self) -> str:
         """Return the distributions, quantiles of all quantities, indices, how it converges, and what failed."""
@@ -304,17 +324,3 @@ class Ensemble(Sweep):
         """Return the ensemble whose file is ``path`` and whose root is ``data``."""
         design = Design.of_record(str(data.attrs.get("ensemble", "")), str(path))
         return cls.of_sweep(Sweep.of(data, path), design)
-
-
-def _sobol(found: Floats) -> tuple[Floats, Floats]:
-    """Return the indices ``(keys,)`` of the values at A, B and AB ``(points, keys + 2)``.
-
-    As ``scipy.stats.sobol_indices`` computes them, but for any number of points (Saltelli et al. 2010, table 2, (b) and
-    (f)).
-    """
-    f = found - found[:, :2].mean()
-    a, b, ab = f[:, :1], f[:, 1:2], f[:, 2:]
-    variance = np.var(f[:, :2])
-    first: Floats = np.mean(b * (ab - a), axis=0) / variance
-    total: Floats = 0.5 * np.mean((a - ab) ** 2, axis=0) / variance
-    return first, total

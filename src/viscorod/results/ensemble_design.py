@@ -20,6 +20,7 @@ class Design:
         n: number of points.
         seed: of the sequence.
         indices: whether every point has rows for Sobol' indices: A, B and one per key.
+        correlation: matrix of the correlations, in the order of the keys; empty if they are independent.
     """
 
     keys: tuple[str, ...]
@@ -27,6 +28,7 @@ class Design:
     n: int
     seed: int
     indices: bool
+    correlation: tuple[tuple[float, ...], ...] = ()
 
     @property
     def members(self) -> int:
@@ -53,6 +55,7 @@ class Design:
                 int(found["n"]),
                 int(found["seed"]),
                 bool(found["indices"]),
+                tuple(tuple(map(float, row)) for row in found.get("correlation", ())),
             )
         except (KeyError, TypeError, ValueError):
             raise InputError(f"{where} is damaged: it does not say how its members were chosen") from None

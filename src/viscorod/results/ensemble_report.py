@@ -26,12 +26,25 @@ def report_of(found: Ensemble) -> str:
     count = f"{len(found.members)} members, {found.count_completed} completed"
     drawn = list(zip(design.keys, design.distributions, strict=True))
     blocks = [table(f"{found.title}: {count}" if found.title else count, ("key", "drawn from"), drawn)]
+    blocks += _correlations(found)
     blocks += _quantiles(found)
     if design.indices:
         blocks += _indices(found)
     blocks.append(_errors(found))
     blocks += told_members(found.members.found.told(), MOST_MESSAGES)
     return page([*blocks, *found.notes])
+
+
+def _correlations(found: Ensemble) -> list[str]:
+    """Return which values are correlated, and how much."""
+    design = found.design
+    lines = [
+        (design.keys[i], design.keys[j], f"{value:.3g}")
+        for i, row in enumerate(design.correlation)
+        for j, value in enumerate(row[:i])
+        if value
+    ]
+    return [table("Correlated", ("key", "with", "correlation"), lines)] if lines else []
 
 
 def _quantiles(found: Ensemble) -> list[str]:
@@ -51,7 +64,7 @@ def _quantiles(found: Ensemble) -> list[str]:
             for level, row in zip(rows.index, values, strict=True)
         ]
         blocks.append(table(f"Quantiles of {title}", header, lines))
-    return [*blocks, *found.scarce]
+    return [*blocks, *found.partial, *found.scarce]
 
 
 def _indices(found: Ensemble) -> list[str]:
@@ -73,7 +86,7 @@ def _indices(found: Ensemble) -> list[str]:
         ]
         title = f"Sobol' indices of {name.partition(' [')[0]}, and intervals of 95 %"
         blocks.append(table(title, ("key", "alone", "in all"), lines).replace("-0.00", "0.00"))
-    return blocks
+    return [*blocks, *found.without_indices]
 
 
 def _errors(found: Ensemble) -> str:

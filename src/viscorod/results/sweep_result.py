@@ -22,6 +22,7 @@ from viscorod.results.sweep_record import members_of, record_of
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
 from viscorod.results.told_members import told_members
+from viscorod.results.values_in_si import in_si
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
@@ -126,16 +127,20 @@ class Sweep(WellNamed, Shown, Alike):
         found = self.members.found
         return (*found.quantities, *found.histories)
 
-    def table(self) -> pd.DataFrame:
+    def table(self, *, as_given: bool = False) -> pd.DataFrame:
         """Return one row per member, failed ones too: values, quantities, cost and other figures, outcome, message.
 
-        What a member does not have is missing (NaN, as in any table of pandas), and ``message`` says why. Histories are
-        in ``data``.
+        Values that were given with units, such as "3 mm", are numbers in SI there, so that they can be drawn and
+        computed with; ``as_given`` leaves them texts. What a member does not have is missing (NaN, as in any table of
+        pandas), and ``message`` says why. Histories are in ``data``.
         """
         import pandas as pd
 
         found = self.members.found
-        columns: dict[str, Any] = dict(self.members.rows.columns)
+        given = self.members.rows.columns
+        columns: dict[str, Any] = {
+            key: column if as_given else in_si(column) for key, column in given.items()
+        }
         columns |= {name: column for name, column in found.quantities.items() if name not in found.histories}
         columns |= self._figures()
         columns["outcome"] = found.outcomes()

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pickle
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 from viscorod.analyses.case_run import discretised_case
 from viscorod.analyses.sweeps.member_work import MemberWork, member_content
@@ -11,18 +12,23 @@ from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case, case_from_dict
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
 from viscorod.results.quantities import Quantity
 
 __all__ = ["checked", "require_sendable"]
 
 
-def checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
-    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members."""
+def checked(case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
+    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members.
+
+    Args:
+        rows: the values of members that are looked at, by their numbers.
+    """
     notes: list[str] = []
-    problems: dict[tuple[str, str], Fault] = {}
+    problems: dict[tuple[str, str], tuple[Fault, list[int]]] = {}
     known = KnownParts()
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
-    for k, row in enumerate(rows):
+    for k, row in rows.items():
         try:
             content, note = member_content(case.content, case.source, row, keep, known)
             member = case_from_dict(content, case.source, known=known)
@@ -30,12 +36,33 @@ def checked(case: Case, rows: Sequence[Row], quantities: Sequence[Quantity], kee
                 _require_places(member, places)
         except InputError as error:
             for problem in error.problems:  # the same mistake in many members is reported once
-                problems.setdefault((problem.where, problem.why), problem)
+                problems.setdefault((problem.where, problem.why), (problem, []))[1].append(k)
             continue
         notes += [note] if note else []
     if problems:
-        raise InputError(problems.values(), heading=str(case.source) if case.source else "case")
+        told = [_with_members(fault, numbers, rows) for fault, numbers in problems.values()]
+        raise InputError(told, heading=str(case.source) if case.source else "case")
     return list(dict.fromkeys(notes))
+
+
+def _with_members(fault: Fault, numbers: Sequence[int], rows: Mapping[int, Row]) -> Fault:
+    """Return a fault with the members that have it, unless all have; and its values, if it is told elsewhere."""
+    if len(numbers) == len(rows):
+        return fault
+    first, more = numbers[0], len(numbers) - 1
+    which = f"member {first}" + (f" and {more} more" if more else "")
+    if not any(fault.where.startswith(key) for key in rows[first]):
+        varied = {
+            key: value
+            for key, value in rows[first].items()
+            if any(row[key] != value for row in rows.values())
+        }
+        which += (
+            f", where {', '.join(f'{key} = {show(value)}' for key, value in varied.items())}"
+            if varied
+            else ""
+        )
+    return replace(fault, why=f"{fault.why} ({which})")
 
 
 def _require_places(case: Case, places: Mapping[str, str]) -> None:

@@ -7,7 +7,9 @@ left on disk is taken, and the others are tried again, each by itself.
 
 from __future__ import annotations
 
+import asyncio
 import importlib
+import logging
 import math
 import os
 import threading
@@ -33,6 +35,8 @@ Recover: TypeAlias = Callable[[Sequence[int]], Mapping[int, Found]]
 
 BATCH = 1.0
 """Seconds that a task takes, about."""
+PATIENCE = 5.0
+"""Seconds in which a scheduler has to answer."""
 AHEAD = 2
 """Tasks per worker that wait or run: one that runs, and one that is there when it ends."""
 _POLL = 0.1
@@ -90,13 +94,41 @@ def opened(executor: Any) -> Iterator[Executor]:
     except ImportError:
         why = "Dask is not installed"
         raise InputError(Fault("executor", executor, why, "pip install 'viscorod[cluster]'")) from None
-    try:
-        client = distributed.Client(rest or None)
-    except OSError as error:
-        why = f"there is no scheduler ({' '.join(str(error).split())[:100]})"
-        raise InputError(Fault("executor", executor, why, "start one with: dask scheduler")) from None
+    if rest:
+        _require_scheduler(distributed, rest)
+    client = distributed.Client(rest) if rest else distributed.Client()
     with client, client.get_executor() as found:
+        if not client.nthreads():
+            logging.getLogger("viscorod").warning(
+                "viscorod: the scheduler %s has no workers yet; members wait for them", rest
+            )
         yield found
+
+
+def _require_scheduler(distributed: Any, address: str) -> None:
+    """Refuse an address at which no scheduler answers within ``PATIENCE``.
+
+    A client of Dask's tries for half a minute, and what is left of it then ends with tracebacks of its own.
+
+    Raises:
+        InputError: none does.
+    """
+
+    async def ask() -> None:
+        async with distributed.rpc(address, timeout=PATIENCE) as there:
+            await asyncio.wait_for(there.identity(), PATIENCE)
+
+    try:
+        with ThreadPoolExecutor(1) as beside:  # a notebook has a loop of events of its own
+            beside.submit(asyncio.run, ask()).result()
+    except Exception as error:  # another service answers with anything
+        told = " ".join(str(error).split())[:160] or type(error).__name__
+        if isinstance(error, TypeError | ValueError):
+            why, instead = f"this is no address ({told})", "give one such as dask:tcp://host:8786"
+        else:
+            why = f"no scheduler answered within {PATIENCE:g} s ({told})"
+            instead = "check the address that the scheduler prints, or start one with: dask scheduler"
+        raise InputError(Fault("executor", f"dask:{address}", why, instead)) from None
 
 
 def through(

@@ -7,7 +7,9 @@ Sources: A. B. Owen, "On dropping the first Sobol' point", MCQMC 2020 (scrambled
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+import re
+import warnings
+from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -21,6 +23,8 @@ if TYPE_CHECKING:
 __all__ = ["MOST_POINTS", "distribution_text", "points_of", "require_distributions", "uniform_points"]
 
 MOST_POINTS = 1 << 24
+MOST_TOLD = 6
+"""Values of a distribution of single ones that are told."""
 _EDGE = 1e-15  # how near to 0 and 1 a point may come, where unbounded distributions have no value
 _ADVICE = "give a frozen distribution of SciPy, such as scipy.stats.norm(1.0e6, 5.0e4)"
 
@@ -35,13 +39,18 @@ def require_distributions(distributions: Any) -> None:
         why = "keys of the case file with their distributions are needed here"
         raise InputError(Fault("distributions", show(distributions), why, _ADVICE))
     for key, found in distributions.items():
-        quantiles = getattr(found, "ppf", None)
-        if not isinstance(key, str) or not callable(quantiles):
+        quantiles = _quantiles_of(found)
+        if not isinstance(key, str) or quantiles is None:
             raise InputError(Fault(str(key), show(found), "this is no distribution", _ADVICE))
         if _without_parameters(found):
             why = "this is a kind of distribution; its parameters are not given"
             raise InputError(Fault(key, f"scipy.stats.{found.name}", why, _ADVICE))
-        middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
+        with np.errstate(all="ignore"), warnings.catch_warnings():  # what comes of it is looked at
+            warnings.simplefilter("ignore", RuntimeWarning)
+            middle = np.asarray(quantiles(np.array([1e-6, 0.5, 1.0 - 1e-6])), dtype=float)
+        if _still(found):
+            why = "a deviation of 0 leaves one value"
+            raise InputError(Fault(key, distribution_text(found), why, "give it in constants, or vary it"))
         if middle.shape != (3,) or not np.isfinite(middle).all():
             why = "its parameters give no numbers, or several"
             advice = "give single numbers, the deviation above 0"
@@ -93,14 +102,43 @@ def points_of(
             ndtr(ndtri(uniform) @ _factor(correlation, len(distributions)).T), _EDGE, 1.0 - _EDGE
         )
     return {
-        key: np.asarray(found.ppf(column), dtype=int if _counts(found) else float)
+        key: _values(found, column)
         for (key, found), column in zip(distributions.items(), uniform.T, strict=True)
     }
 
 
-def _counts(distribution: Any) -> bool:
-    """Return whether a distribution is one of whole numbers."""
+def _values(distribution: Any, uniform: Floats) -> np.ndarray:
+    """Return the values at uniform numbers, as whole ones where a distribution has no others."""
+    quantiles = _quantiles_of(distribution)
+    assert quantiles is not None
+    found = np.asarray(quantiles(uniform), dtype=float)
+    counts = found.astype(int)
+    return counts if _discrete(distribution) and (counts == found).all() else found
+
+
+def _quantiles_of(distribution: Any) -> Callable[[Floats], Any] | None:
+    """Return the quantile function of a distribution, which SciPy's newer ones call by another name."""
+    found = getattr(distribution, "ppf", None) or getattr(distribution, "icdf", None)
+    return found if callable(found) else None
+
+
+def _discrete(distribution: Any) -> bool:
+    """Return whether a distribution has single values only."""
+    if hasattr(
+        distribution, "icdf"
+    ):  # of these, continuous ones have a probability of values too, which is 0
+        return any(kind.__name__ == "DiscreteDistribution" for kind in type(distribution).__mro__)
     return hasattr(getattr(distribution, "dist", distribution), "pmf")
+
+
+def _still(distribution: Any) -> bool:
+    """Return whether it is one of SciPy's whose scale is 0, which has no values."""
+    kind, given = getattr(distribution, "dist", None), getattr(distribution, "args", ())
+    shapes = getattr(kind, "numargs", len(given))
+    scale = getattr(distribution, "kwds", {}).get(
+        "scale", given[shapes + 1] if len(given) > shapes + 1 else 1.0
+    )
+    return kind is not None and not _discrete(distribution) and np.ndim(scale) == 0 and scale == 0.0
 
 
 def _factor(correlation: Any, size: int) -> Floats:
@@ -126,6 +164,15 @@ def _factor(correlation: Any, size: int) -> Floats:
 
 def distribution_text(distribution: Any) -> str:
     """Return a distribution in words, as SciPy calls it."""
+    if hasattr(distribution, "xk") and hasattr(distribution, "pk"):
+        pairs = list(zip(np.ravel(distribution.xk), np.ravel(distribution.pk), strict=False))
+        told = [f"{value:g}: {part:g}" for value, part in pairs[:MOST_TOLD]]
+        return f"one of {', '.join(told)}" + (", ..." if len(pairs) > MOST_TOLD else "")
+    if type(distribution).__name__ == "rv_histogram":  # such as the draws of a fit
+        low, high = (float(distribution.ppf(end)) for end in (0.0, 1.0))
+        return f"histogram from {low:.6g} to {high:.6g}"
+    if hasattr(distribution, "icdf"):
+        return re.sub(r"np\.\w+\(([^()]*)\)", lambda found: f"{float(found[1]):g}", repr(distribution))
     name = getattr(getattr(distribution, "dist", None), "name", type(distribution).__name__)
     given = [f"{value:g}" for value in getattr(distribution, "args", ()) if np.ndim(value) == 0]
     more = getattr(distribution, "kwds", {})

@@ -70,6 +70,8 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
     """Return columns that vary together, and how long they are."""
     if isinstance(values, str | Path):
         values = _table(Path(values))
+    if hasattr(values, "to_dict") and isinstance(getattr(values, "columns", None), list):  # of Polars
+        values = {str(key): list(values[key]) for key in values.columns}
     if hasattr(values, "to_dict") and hasattr(values, "columns"):
         if not values.columns.is_unique:
             twice = str(values.columns[values.columns.duplicated()][0])
@@ -82,7 +84,7 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
         if gaps:
             why = "the table has no value there"
             raise InputError(Fault("values", "; ".join(gaps), why, "give every member a value of every key"))
-        if not len(values):
+        if not len(values.index):
             raise InputError(Fault("values", "", "the table has no rows", "give every member a row"))
         values = {str(key): values[key].tolist() for key in values.columns}
     if isinstance(values, Mapping):
@@ -98,7 +100,7 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
         if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
             raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
         for k, row in enumerate(values):
-            if list(row) != list(values[0]):
+            if row.keys() != values[0].keys():
                 found = f"the keys {', '.join(map(str, row))}"
                 why = f"the first member has {', '.join(map(str, values[0]))}"
                 raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
@@ -114,12 +116,17 @@ def _columns(values: Any) -> dict[str, Sequence[Any]]:
         raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
     columns = {str(key): _plain(column) for key, column in values.items()}
     for key, column in columns.items():
+        if isinstance(column, str | int | float):
+            advice = "one value for all members goes into constants; else give a list"
+            raise InputError(Fault(key, show(column), "a list of values is needed here", advice))
         if not isinstance(column, list | tuple | range) or not len(column):
             raise InputError(Fault(key, show(column), "a list of values is needed here", _ADVICE))
     return columns
 
 
 def _plain(value: Any) -> Any:
+    if hasattr(value, "to_numpy") and not hasattr(value, "tolist"):  # of xarray and Polars
+        value = value.to_numpy()
     return value.tolist() if hasattr(value, "tolist") else value
 
 
@@ -135,6 +142,9 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
             path, comment="#", header=None, dtype=str, skipinitialspace=True, encoding="utf-8-sig"
         )
         heads = [str(head).strip() for head in table.iloc[0].fillna("")]
+        if len(heads) == 1 and (other := next((mark for mark in (";", "\t") if mark in heads[0]), "")):
+            named = "semicolons" if other == ";" else "tabs"
+            raise ValueError(f"there are {named} between its cells, where commas are read")
         table = table.iloc[1:]
     except (OSError, ValueError, IndexError) as error:
         why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"

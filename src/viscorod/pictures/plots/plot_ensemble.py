@@ -43,7 +43,9 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         picture, panels = within(ax), [ax]
     for axes, name in zip(panels, names, strict=False):
         values = np.sort(found.values(name))
-        clean(axes, name, "part of the members below")
+        missing = len(values) < found.samples
+        which = f"part of the {len(values)} members that have it" if missing else "part of the members below"
+        clean(axes, name, which)
         axes.step(
             values, np.arange(1, len(values) + 1) / len(values), where="post", color=BLUE, linewidth=1.6
         )
@@ -64,7 +66,7 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         axes.set_visible(False)
     _caption(
         picture,
-        f"{len(found.values(names[0]))} members; their 5, 25, 50, 75, 95 % quantiles, 95 % intervals (bars)",
+        f"{found.samples} members; their 5, 25, 50, 75, 95 % quantiles, 95 % intervals (bars)",
     )
     return picture
 
@@ -125,8 +127,12 @@ def draw_indices(found: Ensemble, alone: str | None = None, ax: Axes | None = No
     Raises:
         InputError: the ensemble has no indices.
     """
-    names = _names(found, alone, ax)
     table = found.indices()
+    known = {str(name) for name in table.index.unique(level="quantity")}
+    names = _names(found, alone, ax)
+    if alone is not None and alone not in known:
+        raise InputError("; ".join(told for told in found.without_indices if told.startswith(alone)))
+    names = tuple(name for name in names if name in known) or tuple(sorted(known)[:1])
     keys = list(found.design.keys)
     if ax is None:
         height = (0.5 * len(keys) + 1.1) * len(names) + 0.6

@@ -49,7 +49,7 @@ def write_table(
     Raises:
         InputError: pyarrow is not installed, or the place cannot be written.
     """
-    table, found = sweep.table(), sweep.members.found
+    table, found = sweep.table(as_given=True), sweep.members.found
     texts = [key for key in sweep.parameters if not _of_one_type(sweep.members.rows.columns[key])]
     for key in texts:
         table[key] = [json.dumps(value, default=plain) for value in sweep.members.rows.columns[key]]

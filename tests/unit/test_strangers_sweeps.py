@@ -1,0 +1,237 @@
+"""Sweeps and ensembles as strangers ask for them: odd tables, units, discrete and correlated values, what fails."""
+
+import sys
+
+import numpy as np
+import pandas as pd
+import pytest
+import scipy.stats
+import xarray as xr
+
+import viscorod as vr
+from helpers.strip import content
+from viscorod.analyses.sweeps.points import distribution_text, points_of
+from viscorod.analyses.sweeps.rows import rows_of
+from viscorod.casefile.case import case_from_dict
+from viscorod.results.ensemble import Ensemble
+from viscorod.results.ensemble_design import Design
+from viscorod.results.sweep_members import SweepRun
+from viscorod.results.sweep_result import Sweep
+from viscorod.results.values_in_si import in_si
+
+FORCE, MODULUS, WIDTH = "loads[0].value[1]", "materials.rubber.youngs_modulus", "sections.thin.width"
+TIP = {"tip": ("displacement", "beam.end", "y", "last")}
+
+
+@pytest.fixture
+def held():
+    return case_from_dict(content("equilibrium"))
+
+
+class PolarsLike:
+    """A table whose columns are a list of names, as those of Polars."""
+
+    def __init__(self):
+        self.columns = [FORCE]
+
+    def to_dict(self):
+        raise AssertionError("its columns are read one by one")
+
+    def __getitem__(self, key):
+        return iter([1e-4, 2e-4])
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        {FORCE: np.array([1e-4, 2e-4], dtype=np.float64)},
+        {FORCE: xr.DataArray([1e-4, 2e-4], dims="member")},
+        {FORCE: pd.Series([1e-4, 2e-4], index=[7, 7])},
+        pd.DataFrame({FORCE: pd.array([1e-4, 2e-4], dtype="Float64")}, index=[3, 3]),
+        PolarsLike(),
+        [{FORCE: 1e-4}, {FORCE: np.float64(2e-4)}],
+    ],
+)
+def test_columns_of_all_kinds_of_tables(values):
+    rows = rows_of(values)
+    assert rows.columns == {FORCE: [1e-4, 2e-4]}
+    assert all(type(value) is float for value in rows.columns[FORCE])
+
+
+def test_rows_may_name_their_keys_in_any_order():
+    rows = rows_of([{FORCE: 1.0, MODULUS: 2.0}, {MODULUS: 4.0, FORCE: 3.0}])
+    assert rows.columns == {FORCE: [1.0, 3.0], MODULUS: [2.0, 4.0]}
+
+
+@pytest.mark.parametrize("value", [1e6, "2 MPa", 3])
+def test_one_value_is_a_constant(value):
+    with pytest.raises(vr.InputError, match="one value for all members goes into constants"):
+        rows_of({MODULUS: value})
+
+
+@pytest.mark.parametrize(("mark", "word"), [(";", "semicolons"), ("\t", "tabs")])
+def test_cells_between_other_marks_are_told(mark, word, tmp_path):
+    path = tmp_path / "rows.csv"
+    path.write_text(f"{FORCE}{mark}{MODULUS}\n1{mark}2\n")
+    with pytest.raises(vr.InputError, match=f"there are {word} between its cells"):
+        rows_of(path)
+
+
+@pytest.mark.parametrize(
+    ("values", "words"),
+    [
+        ({MODULUS: [1e6, 2e6, float("nan")]}, r"the number must be finite \(member 2\); give"),
+        ({MODULUS: [1e6, -1.0, -1.0]}, r"outside what is allowed \(member 1 and 1 more\); give"),
+        ({MODULUS: [-1.0, -1.0]}, "outside what is allowed; give"),
+        (
+            {"rods.beam.elements": [1, 1, 2], "rods.beam.material": ["rubber", "rubber", "none"]},
+            r"there is no material of this name \(member 2\)",
+        ),
+    ],
+)
+def test_wrong_values_name_their_members(held, values, words):
+    with pytest.raises(vr.InputError, match=words):
+        vr.sweep(held, values, quantities=TIP, workers=1)
+
+
+def test_what_another_value_makes_wrong_names_that_value():
+    swing = case_from_dict(content("simulate", duration=0.1, tolerance=1e-3))
+    values = {FORCE: [1e-4, 1e-4], "simulate.integrator": ["radau", "midpoint"]}
+    words = r"no error estimate \(member 1, where simulate.integrator = 'midpoint'\)"
+    with pytest.raises(vr.InputError, match=words):
+        vr.sweep(swing, values, quantities=TIP, workers=1)
+
+
+def give_up(result):
+    """Ends the program, as scripts do that were not written to be called."""
+    sys.exit(3)
+
+
+def test_a_quantity_that_ends_the_program_costs_its_number_alone(held):
+    table = vr.sweep(held, {FORCE: [1e-4]}, quantities=TIP | {"mine": give_up}, workers=1).table()
+    assert table["outcome"].tolist() == ["completed"]
+    assert table["tip"].notna().all()
+    assert table["mine"].isna().all()
+    assert table["message"].tolist() == ["mine: SystemExit: 3"]
+
+
+@pytest.mark.parametrize(
+    ("given", "numbers"),
+    [
+        (["1 mm", "2.5 cm", 0.5], [1e-3, 2.5e-2, 0.5]),
+        (["1 MPa", "2 N/mm^2"], [1e6, 2e6]),
+        (["1 mm", "2 N"], ["1 mm", "2 N"]),  # not of one kind
+        (["60 rpm"], ["60 rpm"]),  # 1 Hz or 6.28 rad/s, as the key needs
+        (["20 degC"], ["20 degC"]),
+        (["rubber", "steel"], ["rubber", "steel"]),
+        (["1 mm", True], ["1 mm", True]),
+        ([1, 2], [1, 2]),
+        ([[1.0, 2.0], "1 mm"], [[1.0, 2.0], "1 mm"]),
+    ],
+)
+def test_values_with_units_are_numbers_in_a_table(given, numbers):
+    assert in_si(given) == numbers
+
+
+def test_a_table_with_units_can_be_drawn_and_is_kept_as_given(held, tmp_path):
+    path = tmp_path / "rows.csv"
+    path.write_text(f"{WIDTH} [mm]\n10\n20\n")
+    sweep = vr.sweep(held, path, quantities=TIP, workers=1)
+    assert sweep.table()[WIDTH].tolist() == [0.01, 0.02]
+    assert sweep.table(as_given=True)[WIDTH].tolist() == ["10 mm", "20 mm"]
+    assert vr.load(sweep.save(tmp_path / "sweep.nc")) == sweep
+    assert vr.load(sweep.save(tmp_path / "sweep.parquet")) == sweep
+    lines = sweep.plot(x=WIDTH, name="tip").axes[0].lines  # in the unit that was given
+    assert [10.0, 20.0] in [np.asarray(line.get_xdata()).tolist() for line in lines]
+
+
+UNIFORM = np.array([[0.1], [0.4], [0.9]])
+
+
+@pytest.mark.parametrize(
+    ("distribution", "values", "text"),
+    [
+        (
+            scipy.stats.rv_discrete(values=([1, 2, 5], [0.2, 0.5, 0.3])),
+            [1, 2, 5],
+            "one of 1: 0.2, 2: 0.5, 5: 0.3",
+        ),
+        (
+            scipy.stats.rv_discrete(values=([0.01, 0.02], [0.3, 0.7])),
+            [0.01, 0.02, 0.02],
+            "one of 0.01: 0.3, 0.02: 0.7",
+        ),
+        (scipy.stats.randint(1, 4), [1, 2, 3], "randint(1, 4)"),
+        (
+            scipy.stats.rv_histogram(([1, 1], [0.0, 1.0, 3.0]), density=False),
+            [0.2, 0.8, 2.6],
+            "histogram from 0 to 3",
+        ),
+        (scipy.stats.uniform(1.0, 2.0), [1.2, 1.8, 2.8], "uniform(1, 2)"),
+    ],
+)
+def test_values_of_distributions_are_not_cut_to_whole_numbers(distribution, values, text):
+    found = points_of(UNIFORM, {"key": distribution})["key"]
+    np.testing.assert_allclose(found, values, rtol=1e-12)
+    assert found.dtype.kind == ("i" if all(isinstance(value, int) for value in values) else "f")
+    assert distribution_text(distribution) == text
+
+
+@pytest.mark.skipif(not hasattr(scipy.stats, "Normal"), reason="of SciPy 1.15 and later")
+def test_newer_distributions_of_scipy():
+    normal = scipy.stats.Normal(mu=1e6, sigma=5e4)
+    found = points_of(UNIFORM, {"key": normal})["key"]
+    np.testing.assert_allclose(found, scipy.stats.norm(1e6, 5e4).ppf(UNIFORM[:, 0]), rtol=1e-12)
+    assert found.dtype.kind == "f"
+    assert distribution_text(normal) == "Normal(mu=1e+06, sigma=50000)"
+
+
+@pytest.mark.parametrize("still", [scipy.stats.norm(1e6, 0.0), scipy.stats.uniform(loc=1e6, scale=0.0)])
+def test_what_does_not_vary_is_a_constant(held, still):
+    with pytest.raises(vr.InputError, match="a deviation of 0 leaves one value; give it in constants"):
+        vr.ensemble(held, {MODULUS: still}, 8, quantities=TIP, workers=1)
+
+
+def test_correlations_are_told_and_kept(held, tmp_path):
+    drawn = {MODULUS: scipy.stats.norm(1e6, 5e4), WIDTH: scipy.stats.norm(0.01, 2e-4)}
+    found = vr.ensemble(
+        held, drawn, 8, quantities=TIP, correlation=[[1.0, 0.9], [0.9, 1.0]], workers=1, errors=0
+    )
+    assert f"{WIDTH}  {MODULUS}          0.9" in found.report()
+    assert vr.load(found.save(tmp_path / "found.nc")).design == found.design
+    earlier = '{"keys": ["a"], "distributions": ["norm(0, 1)"], "n": 2, "seed": 0, "indices": false}'
+    assert Design.of_record(earlier, "a file of version 0.3").correlation == ()
+
+
+def partial():
+    """32 points of f = a, which no member with f > 0.9 has, and of a constant."""
+    rows = np.random.default_rng(1).random((32, 3))
+    members = [
+        SweepRun(k, {"a": value}, None, "", "completed", {"c": 1.0} | ({"f": value} if value <= 0.9 else {}))
+        for k, value in enumerate(rows.ravel().tolist())
+    ]
+    return Ensemble.of_sweep(Sweep(members), Design(("a",), ("uniform",), 32, 1, True)), rows
+
+
+def test_what_only_some_members_have_is_told_beside_its_quantiles_and_indices(tmp_path):
+    found, rows = partial()
+    have = int((rows[:, :2] <= 0.9).sum())
+    whole = int((rows <= 0.9).all(axis=1).sum())
+    assert have < 64
+    text = " ".join(found.report().split())
+    assert f"f: {have} of 64 samples have it, and quantiles are those of these alone" in text
+    assert f"f: {whole} of 32 points have all their members; the others are left out of its indices" in text
+    assert "c does not vary; it has no Sobol' indices" in text
+    assert found.quantiles((0.5,)).loc[("f", 0.5), "value"] == pytest.approx(
+        np.median(rows[:, :2][rows[:, :2] <= 0.9])
+    )
+
+
+def test_a_picture_leaves_out_numbers_without_indices():
+    found, rows = partial()
+    assert [axes.get_xlabel() for axes in found.plot_indices().axes] == ["part of the variance of the f"]
+    with pytest.raises(vr.InputError, match="c does not vary"):
+        found.plot_indices(name="c")
+    have = int((rows[:, :2] <= 0.9).sum())
+    labels = {axes.get_xlabel(): axes.get_ylabel() for axes in found.plot().axes}
+    assert labels == {"c": "part of the members below", "f": f"part of the {have} members that have it"}
