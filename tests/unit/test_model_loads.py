@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from pydantic import ValidationError
 
+import viscorod as vr
 from viscorod.errors import InputError
 from viscorod.model.actions.initial_velocity import InitialVelocity
 from viscorod.model.actions.load import DistributedForce, Drag, Force, Gravity, Moment, MovingForce, load
@@ -154,3 +155,22 @@ def test_arrows_of_drag_are_what_the_medium_does_to_the_shape_at_rest():
     drawn = wind.arrows(model, 0.0)
     assert drawn.values == pytest.approx(np.tile([0.6, 0.15 * 5.0 * 3.0, 0.15 * 5.0 * 4.0], (9, 1)))
     assert not Drag("beam", linear_across=1.0).arrows(model, 0.0).values.any()
+
+
+@pytest.mark.parametrize(
+    ("start", "speed"), [(None, -1.0), (0.0, -1.0), (0.4, 1.0), (0.3, 1.0), (0.4, 0.0), (-0.1, 0.0)]
+)
+def test_a_moving_force_that_is_never_on_its_rod_is_refused(start, speed):
+    def loaded(start, speed):
+        model = vr.Model()
+        steel = vr.Material(2e11, 0.3, 7850.0)
+        model.add("bar", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=vr.Circle(0.01), material=steel))
+        model.clamp("bar.start")
+        model.moving_force("bar", (0, 0, -1.0), speed=speed, start=start)
+        return model
+
+    with pytest.raises(InputError, match=r"speed: .*never on the rod bar, which is 0.3 m long") as caught:
+        loaded(start, speed).validate()
+    assert "leads onto it" in caught.value.problems[0].instead
+    for good in ((0.0, 1.0), (0.3, -1.0), (-1.0, 1.0), (0.5, -1.0), (0.1, 0.0)):
+        loaded(*good).validate()

@@ -82,6 +82,7 @@ class ResultAttributes(BaseModel):
     mesh_errors: Json[dict[str, Amount]] | None = None
     mesh_motion_error: Amount = 0.0
     mesh_force_error: Amount = 0.0
+    mesh_jumps: Count = 0
     mesh_lost: Count = 0
     steps: Count = 0
     rejected: Count = 0

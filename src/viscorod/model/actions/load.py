@@ -245,8 +245,18 @@ class MovingForce(AnyLoad):
         return own if self.position is None else tuple(sorted({*own, *self.position.breakpoints}))
 
     def misfits(self, model: ModelDescription) -> Iterator[RefusedError]:
-        """Yield why there is no such rod."""
-        yield from refused_rod(self.rod, model)
+        """Yield why there is no such rod, or why it is never on it."""
+        missing = list(refused_rod(self.rod, model))
+        yield from missing
+        if missing or self.position is not None:
+            return
+        length, start, passages = model.rods[self.rod].length, self.start or 0.0, self.passages(model)
+        if passages[-1] <= 0.0 if passages else not 0.0 <= start <= length:
+            yield RefusedError(
+                f"it is never on the rod {self.rod}, which is {length:.6g} m long: it begins at {start:.6g} m",
+                "give a start on the rod, or a speed that leads onto it",
+                at=("speed",),
+            )
 
     def passages(self, model: ModelDescription) -> list[float]:
         """Return the times at which it passes an end of its rod, s."""

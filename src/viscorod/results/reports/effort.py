@@ -85,6 +85,10 @@ def _mesh(result: Result) -> str:
     ):
         if f"mesh_{name}_error" in data.attrs:
             errors.append(what.format(number(data.attrs[f"mesh_{name}_error"], 1)))
+    if data.attrs.get("mesh_jumps"):
+        errors.append(
+            "beside the element that a travelling force is in, over which the jump of forces is spread"
+        )
     return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
 
 

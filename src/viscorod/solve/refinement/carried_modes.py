@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import numpy as np
-import scipy.linalg
 
 from viscorod.solve.constraints.parts import Parts, held_motions, many_parts
 from viscorod.solve.constraints.rigid_motions import motions_of_parts, rigid_share
@@ -61,8 +60,9 @@ class CarriedModes:
         problem, parts = self.problem, Parts.of(self.problem, state.r, state.q)
         counted = problem.joints.arrays.place >= 0
         A = parts.condition_matrix(parts.conditions(*self._conditions(state, parts), counted)).toarray()
-        values, motions = scipy.linalg.eigh(A.T @ A, subset_by_index=(0, self._free - 1))
-        motions = motions[:, values < OPEN**2]
+        # all of them: LAPACK's methods for some eigenvalues may fail where many are zero but for round-off
+        values, motions = np.linalg.eigh(A.T @ A)
+        motions = motions[:, : self._free][:, values[: self._free] < OPEN**2]
         found = parts.increments(motions.T.reshape(-1, parts.count, 6)).reshape(motions.shape[1], -1).T
         inertia, turn = np.linalg.eigh(found.T @ (block_diagonal(problem.mass) @ found))
         heavy = inertia > HEAVY * inertia.max(initial=0.0)

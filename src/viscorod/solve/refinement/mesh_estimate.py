@@ -112,8 +112,15 @@ class MeshEstimate:
         )
 
 
-def difference(finer: FinerMesh, carried: Carried, found: Sequence[Shape]) -> MeshEstimate:
-    """Return the largest errors of some solutions of the coarse mesh, from those ``found`` on the finer mesh."""
+def difference(
+    finer: FinerMesh, carried: Carried, found: Sequence[Shape], jumping: Sequence[Integers] = ()
+) -> MeshEstimate:
+    """Return the largest errors of some solutions of the coarse mesh, from those ``found`` on the finer mesh.
+
+    Args:
+        finer, carried, found: both meshes, and the solutions on them.
+        jumping: of each solution, the elements within which forces jump; these count no errors of forces there.
+    """
     coarse, halves = finer.coarse, finer.halves
     r, q, mine = carried.r, carried.q, np.array([shape.section_force for shape in carried.shapes])
     theirs = np.array([shape.section_force for shape in found])
@@ -126,7 +133,12 @@ def difference(finer: FinerMesh, carried: Carried, found: Sequence[Shape]) -> Me
     inside = _largest(np.linalg.norm(read(halves.inside, gaps), axis=-1), halves.inner)
     turned = _relative((r, q), (fine_r, fine_q), halves.ends, coarse.length).max(axis=0)
     apart = (read(halves.whole, mine) - read(halves.divided, theirs)).reshape(len(found), -1, 2, 3)
-    apart = _largest(np.linalg.norm(apart, axis=-1), halves.places)
+    apart = np.linalg.norm(apart, axis=-1)
+    for k, under in enumerate(jumping):
+        first = np.append(halves.places, apart.shape[1])
+        for element in under:
+            apart[k, first[element] : first[element + 1], 0] = 0.0
+    apart = _largest(apart, halves.places)
     rods, elements = {}, {}
     for k, (name, length) in enumerate(zip(coarse.rods, coarse.rod_lengths, strict=True)):
         own = slice(halves.elements[k], halves.elements[k + 1])

@@ -23,6 +23,7 @@ from viscorod.solve.refinement.mesh_estimate import MeshEstimate, difference
 from viscorod.solve.refinement.noted_states import NotedStates
 from viscorod.solve.refinement.phase_drift import AtRest, PhaseDrift
 from viscorod.solve.refinement.start_modes import StartModes
+from viscorod.solve.refinement.travelling_jumps import TravellingJumps
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.typing import Floats
@@ -66,6 +67,10 @@ class MeshWatch:
     def finer(self) -> FinerMesh:
         """The problem on elements half as long."""
         return FinerMesh(self.model, self.problem)
+
+    @cached_property
+    def _jumps(self) -> TravellingJumps:
+        return TravellingJumps(self.model, self.problem)
 
     @cached_property
     def _moving(self) -> CoarseMotion:
@@ -115,7 +120,7 @@ class MeshWatch:
     def share(self, other: MeshWatch) -> None:
         """Use the finer mesh of another watch of the same problem, and what is known of states at rest there."""
         assert self.problem is other.problem
-        made = {"finer", "_moving", "_at_rest"}
+        made = {"finer", "_moving", "_at_rest", "_jumps"}
         vars(self).update({name: value for name, value in vars(other).items() if name in made})
 
     def see_motion(
@@ -169,7 +174,7 @@ class MeshWatch:
             seen.append(found)
             self._count_in(True)
         shapes = [_shape(snapshot) for _, snapshot in noted]
-        self._take_in(finer.carried(shapes), seen)
+        self._take_in(finer.carried(shapes), seen, [(t, True) for t, _ in noted])
         begun = counterpart.state(first, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
         self._drift(drift, [t for t, _ in noted], rates, kick)
@@ -237,7 +242,8 @@ class MeshWatch:
         there = [k for k, other in enumerate(found) if other is not None]
         self.found, self.lost = self.found + len(there), self.lost + len(found) - len(there)
         if there:
-            self._take_in(carried.of(there), [other for other in found if other is not None])
+            kept = [other for other in found if other is not None]
+            self._take_in(carried.of(there), kept, [(noted[k][0], before) for k in there])
         return rates
 
     def _resisting(self, rate: Floats, twist: Floats, least: float) -> float:
@@ -258,7 +264,7 @@ class MeshWatch:
         carried = self.finer.carried([_shape(snapshot)])
         found = self._counterpart(balance, carried)
         if found is not None:
-            self._take_in(carried, [found])
+            self._take_in(carried, [found], [(balance.t, balance.before)])
         return found is not None
 
     def _counterpart(self, balance: Balance, carried: Carried, k: int = 0) -> Shape | None:
@@ -270,9 +276,14 @@ class MeshWatch:
             return None
         return Shape(other, self.finer.system.gauss_points().section_force, carried.shapes[k].near)
 
-    def _take_in(self, carried: Carried, found: list[Shape]) -> None:
-        """Take the differences of solutions from those on the finer mesh into the estimate."""
-        self.estimate = difference(self.finer, carried, found).joined(self.estimate)
+    def _take_in(self, carried: Carried, found: list[Shape], times: list[tuple[float, bool]]) -> None:
+        """Take the differences of solutions from those on the finer mesh into the estimate.
+
+        Args:
+            carried, found: the solutions; times: of each the time [s] of its loads, and whether from the left.
+        """
+        jumping = [self._jumps.at(t, before=before) for t, before in times] if self._jumps.loads else []
+        self.estimate = difference(self.finer, carried, found, jumping).joined(self.estimate)
 
     # --- what is said
 
@@ -288,6 +299,8 @@ class MeshWatch:
         if self.estimate is not None:
             found["mesh_errors"] = json.dumps(self.estimate.rods)
             found["mesh_motion_error"], found["mesh_force_error"] = self.estimate.motion, self.estimate.force
+            if self._jumps.loads:
+                found["mesh_jumps"] = len(self._jumps.loads)
         if self.unknown:
             found["mesh_lost"] = self.lost
         return found

@@ -41,15 +41,18 @@ class Outcome(Enum):
         if self is Outcome.INSIDE_OUT:
             return "look for a load beyond what the axial and shear stiffness carry, or give more load_steps"
         if self is Outcome.TOO_SMALL:
-            return "look for a load or a motion that grows without bound there, or give a larger tolerance"
+            return (
+                "look for a load or a motion that grows without bound there, or give a larger tolerance, or a shorter "
+                "duration"
+            )
         if self is Outcome.NO_BRANCH:
             return "give a smaller arc_length, or a small load that prefers one way where the path branches"
         if self is Outcome.POINTS:
             return "give more points"
         if not static:
             return (
-                "try a smaller time_step, a lower spectral_radius (more numerical damping of the highest frequencies), "
-                "or more elements where it bends most"
+                "try a smaller tolerance or time_step, more elements where it bends most, or with generalized_alpha a "
+                "lower spectral_radius (more numerical damping of the highest frequencies)"
             )
         if self is Outcome.SINGULAR:
             return "the structure moves freely, or this is a limit or bifurcation load: add a support, reduce the load"

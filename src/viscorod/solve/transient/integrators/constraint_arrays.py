@@ -20,13 +20,19 @@ from viscorod.mechanics.joints.joint_forces import (
     SpringOperators,
     gradient_of,
 )
+from viscorod.mechanics.joints.settled_multipliers import Settling
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.solve.constraints.constraints import Constraints
+    from viscorod.solve.problem.problem import Problem
 
 GAP = 1e-10
 """Gap of a joint over the length (or in rad), or held strain, that a step may leave."""
+
+
+POINT = 1e-6
+"""Part of the model's length as whose radius of gyration that of a point mass counts."""
 
 
 class ConstraintArrays(NamedTuple):
@@ -38,6 +44,7 @@ class ConstraintArrays(NamedTuple):
         scale: of multipliers ``(places,)``; unit: of the gaps ``(places,)``.
         target_rate: of held coordinates ``(s, c)``; end_target: at the end of the step, if that is not a stage.
         worst: the largest gap of all stages in its unit ``(1,)``, or nothing if there are no constraints.
+        settling: of the multipliers of a step.
     """
 
     joints: Joints
@@ -50,6 +57,7 @@ class ConstraintArrays(NamedTuple):
     target_rate: Floats
     end_target: Floats
     worst: Floats
+    settling: Settling
 
     @classmethod
     def of(cls, constraints: Constraints, stages: int) -> ConstraintArrays:
@@ -66,6 +74,7 @@ class ConstraintArrays(NamedTuple):
             target_rate=np.zeros((stages, c)),
             end_target=np.zeros(c),
             worst=np.zeros(1),
+            settling=Settling.of(_inverse(constraints.problem), c),
         )
 
     @classmethod
@@ -84,7 +93,19 @@ class ConstraintArrays(NamedTuple):
             target_rate=table,
             end_target=none,
             worst=none,
+            settling=Settling.of(np.zeros((0, 6)), 0),
         )
+
+
+def _inverse(problem: Problem) -> Floats:
+    """Return the inverse of masses and moments of inertia of the nodes ``(n, 6)``, 0 where they are supported."""
+    diagonal = np.einsum("nii->ni", problem.mass).copy()
+    # what has no inertia of its own turns as lightly as what is far smaller than the model
+    least = POINT**2 * diagonal[:, :3].max(axis=1, keepdims=True) * problem.length**2
+    diagonal[:, 3:] = np.maximum(diagonal[:, 3:], least)
+    inverse = 1.0 / np.maximum(diagonal, np.finfo(float).tiny)
+    inverse[problem.supports.nodes] = 0.0
+    return np.asarray(inverse)
 
 
 @part

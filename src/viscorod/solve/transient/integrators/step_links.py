@@ -5,7 +5,12 @@ from __future__ import annotations
 from viscorod.mechanics.compilation.compiled import kernel
 from viscorod.mechanics.compilation.references import whole_of
 from viscorod.mechanics.elements.held_strains import give_stress, keep_stress, strain_gaps
-from viscorod.mechanics.joints.joint_forces import add_frozen_springs, carry_springs, hold_coordinates
+from viscorod.mechanics.joints.joint_forces import (
+    add_frozen_springs,
+    carry_springs,
+    hold_coordinates,
+)
+from viscorod.mechanics.joints.settled_multipliers import settle_multipliers
 from viscorod.solve.transient.integrators.constraint_arrays import (
     add_gaps,
     add_motors,
@@ -66,8 +71,10 @@ def move_links(step: StepTask) -> None:
 
 @kernel
 def account_links(step: StepTask) -> None:
-    """Add the powers of motors and dampers, and the energies of springs."""
+    """Settle multipliers, and add the powers of motors and dampers and the energies of springs."""
     states, powers, elastic = step.links.states, step.account.powers, step.account.elastic
+    about = (whole_of(step.links.joints), whole_of(states), whole_of(step.links.settling), step.body.length)
+    settle_multipliers(*about, step.stages.r, step.stages.q, step.stages.residual)
     energy, power = states.energy, states.power
     add_motors(whole_of(step.links), powers[0])
     for i in range(elastic.shape[0]):
