@@ -116,3 +116,62 @@ def test_layout_of_arrays_decides_about_types_but_not_that_of_few_entries(outer)
     one, turned = np.zeros((1, 3)), np.zeros((2, 3)).T
     assert kinds_of(one) == kinds_of(np.zeros((2, 3))) != kinds_of(turned)
     assert kinds_of(Shared(outer)) == kinds_of(Shared(outer)) != kinds_of(Shared(Pair(2.0, Shared(outer))))
+
+
+def others(outer, rows, **given):
+    """A bundle like another one with other numbers, entries and shapes."""
+    waves = np.arange(8).reshape(2, 4) * (2.0 + 1.0j)
+    inner = outer.inner._replace(waves=waves, empty=np.zeros((3, 0)), flags=np.array([1, 2, 5]))
+    return outer._replace(inner=inner, factor=0.75, count=4, turn=6.0 + 1.0j, rows=rows, **given)
+
+
+def test_bundles_like_earlier_ones_are_laid_out_as_these(outer):
+    """Other shapes and numbers; of the same type unless an array is a view, read only, or of another type."""
+    first, out = Shared(outer), np.zeros(14)
+    alike = Shared(others(outer, (np.zeros(3), np.zeros(2))))
+    assert alike.number == first.number
+    assert entries(alike, out) == 6.0
+    assert out.tolist() == [1.0, 12.0, 1.0, 3.0, 0.0, 5.0, 0.0, 1.0, 0.0, 1.0, 0.75, 4.0, 1.0, 0.25]
+    view = Shared(others(outer, (np.zeros(6)[::2], np.zeros(3))))
+    assert view.number != first.number
+    fixed = np.zeros(3)
+    fixed.flags.writeable = False
+    assert Shared(others(outer, (fixed, np.zeros(3)))).number not in {first.number, view.number}
+    assert Shared(others(outer, (np.zeros(3, dtype=np.int64), np.zeros(3)))).number != first.number
+    assert Shared(others(outer, (np.zeros(3),))).number != first.number
+
+
+def test_switches_are_those_of_each_bundle(outer):
+    out = np.zeros(14)
+    for switches in (Switches(True, False, True), Switches(False, True, True), outer.inner.switches):
+        inner = outer.inner._replace(on=False, switches=switches)
+        entries(Shared(outer._replace(inner=inner)), out)
+        assert out[[0, 6, 7, 8]].tolist() == [0.0, *map(float, switches)]
+
+
+class Calls(NamedTuple):
+    """Numbers that are known later."""
+
+    first: int
+    second: int
+
+
+class Last(NamedTuple):
+    """A bundle with such numbers."""
+
+    weight: float
+    calls: Calls
+
+
+@njit
+def both(run):
+    """Read numbers."""
+    return run.weight * (run.calls.first + 10 * run.calls.second)
+
+
+def test_numbers_are_put_into_a_bundle():
+    shared = Shared(Last(2.0, Calls(0, 0)))
+    shared.put("calls", Calls(3, 4))
+    assert both(shared) == 86.0
+    assert shared.bundle == Last(2.0, Calls(3, 4))
+    assert both(Shared(Last(0.5, Calls(1, 2)))) == 10.5

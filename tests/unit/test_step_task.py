@@ -29,7 +29,7 @@ LINKS, BRANCHES, ENDS = (set(module.__all__) for module in (step_links, step_bra
 
 @pytest.fixture(autouse=True)
 def nothing_is_compiled(monkeypatch):
-    monkeypatch.setattr(stage_model, "step_calls", lambda task, kinds: StepCalls())
+    monkeypatch.setattr(stage_model, "step_calls", lambda shared: StepCalls())
 
 
 def task_of(name, formulation, method):

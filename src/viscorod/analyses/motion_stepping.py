@@ -94,12 +94,18 @@ def halved_steps(
         return None
     method = INTEGRATORS[settings.integrator]
     given = {name: chosen[name] for name in method.parameters}
-    if method.tolerance is not None:
-        given["tolerance"] = settings.tolerance or method.tolerance
-    twin = make(**given)
-    strains = integrates_strains(settings)
-    order, turning = method.order_with(given), settings.dynamics == "nonlinear"
-    return HalvedSteps(twin, modes(), discrete.problem, order, strains=strains, turning=turning)
+    tolerance = None if method.tolerance is None else settings.tolerance or method.tolerance
+    if tolerance is not None:
+        given["tolerance"] = tolerance
+    return HalvedSteps(
+        partial(make, **given),
+        modes(),
+        discrete.problem,
+        method.order_with(given),
+        tolerance=tolerance,
+        strains=integrates_strains(settings),
+        turning=settings.dynamics == "nonlinear",
+    )
 
 
 def integrates_strains(settings: SimulateSettings) -> bool:

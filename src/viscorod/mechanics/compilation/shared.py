@@ -2,15 +2,16 @@
 
 Where Python calls a kernel with a bundle, compiled code takes every array apart: 13 ms of compilation for each, and
 every call does it again. A :class:`Shared` bundle has been taken apart once, as compiled code lays it out; kernels take
-a reference to it (see ``references``). What changes from call to call is numbers in its arrays.
+a reference to it (see ``references``). What changes from call to call is numbers in its arrays. Of bundles like earlier
+ones only the arrays are looked at (see ``array_records``).
 """
 
 from __future__ import annotations
 
-import array
 import ctypes
 import itertools
 import struct
+from collections.abc import Iterator
 from typing import Any, Generic, TypeVar
 
 import numba
@@ -19,8 +20,10 @@ from numba import _dispatcher
 from numba.core import cgutils
 from numba.extending import NativeValue, typeof_impl, unbox
 
+from viscorod.mechanics.compilation.array_records import READABLE, described, lay_out
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.references import Reference
+from viscorod.typing import Integers
 
 __all__ = ["Shared", "kinds_of"]
 
@@ -44,7 +47,11 @@ def _unknown(_value: Any) -> Any:
 
 
 _fingerprint: Any = getattr(_dispatcher, "compute_fingerprint", _unknown)
+MOST_LAYOUTS = 8
+"""Of bundles of one class."""
+
 _numbers = itertools.count()
+_layouts: dict[type, list[_Layout]] = {}
 _types: dict[Any, tuple[Any, int]] = {}
 """Numba's types of bundles and their numbers, by kinds: it takes milliseconds to find a type, and long to hash it."""
 
@@ -73,26 +80,34 @@ class Shared(Generic[Bundle]):
     Shared bundles within others are references there.
 
     Args:
-        bundle: that stays as it is; its arrays may be written to.
-        kinds: those of the bundle, if they are known.
+        bundle: that stays as it is, but for :meth:`put`; its arrays may be written to.
 
     Attributes:
         bundle: the same, for Python; address: where it stands; kind: Numba's type of the bundle; number: of the kind.
     """
 
-    __slots__ = ("_words", "address", "bundle", "kind", "number")
+    __slots__ = ("_fields", "_words", "address", "bundle", "kind", "number")
 
-    def __init__(self, bundle: Bundle, kinds: Any = None) -> None:
+    def __init__(self, bundle: Bundle) -> None:
         self.bundle = bundle
-        kinds = kinds_of(bundle) if kinds is None else kinds
-        found = _types.get(kinds)
-        if found is None:
-            found = _types.setdefault(kinds, (_typeof(bundle), next(_numbers)))  # of one thread, for all
-        self.kind, self.number = found
-        words = _Words()
-        words.add(bundle)
-        self._words = array.array("q", words.found)
-        self.address = self._words.buffer_info()[0]
+        known = _layouts.setdefault(type(bundle), [])
+        for layout in known:
+            if (words := layout.words_of(bundle)) is not None:
+                break
+        else:
+            layout = _Layout(bundle)
+            words = layout.blank.copy()
+            known[:] = [layout, *known[: MOST_LAYOUTS - 1]]
+        self._words, self._fields = words, layout.fields
+        self.kind, self.number = layout.kind, layout.number
+        self.address = int(words.ctypes.data)
+
+    def put(self, name: str, part: tuple[int, ...]) -> None:
+        """Put other integers in the place of the bundle of integers called ``name``."""
+        bundle: Any = self.bundle
+        self.bundle = bundle._replace(**{name: part})
+        first = self._fields[bundle._fields.index(name)]
+        self._words[first : first + len(part)] = part
 
     @property
     def argument(self) -> Any:
@@ -100,17 +115,115 @@ class Shared(Generic[Bundle]):
         return self.bundle if PURE_PYTHON else self
 
 
+class _Plan:
+    """What a bundle has in it, so that others can be compared with it, and taken apart."""
+
+    def __init__(self, bundle: tuple[Any, ...], arrays: Iterator[int], numbers: Iterator[range]) -> None:
+        """Look at a bundle; arrays, numbers: where those in it stand among the words, in order."""
+        self.types = tuple(map(type, bundle))
+        self.is_array = [isinstance(item, np.ndarray) for item in bundle]
+        self.parts: list[tuple[int, _Plan]] = []
+        self.switches: list[tuple[int, bool]] = []
+        self.shared: list[tuple[int, int]] = []
+        self.numbers: list[int] = []
+        self.arrays_at: list[int] = []
+        self.numbers_at: list[int] = []
+        for k, item in enumerate(bundle):
+            if isinstance(item, np.ndarray):
+                self.arrays_at.append(next(arrays))
+            elif isinstance(item, tuple):
+                self.parts.append((k, _Plan(item, arrays, numbers)))
+            elif isinstance(item, bool | np.bool_):
+                self.switches.append((k, bool(item)))
+            else:
+                self.numbers.append(k)
+                self.numbers_at += next(numbers)
+                if isinstance(item, Shared):
+                    self.shared.append((k, item.number))
+        self.integers = set(self.types) == {int}
+        for _, part in self.parts:  # in the order of take_apart
+            self.arrays_at += part.arrays_at
+            self.numbers_at += part.numbers_at
+
+    def take_apart(self, bundle: tuple[Any, ...], arrays: list[np.ndarray], numbers: list[int]) -> bool:
+        """Append the arrays and numbers of a bundle, first its own; return whether it is like the first one."""
+        if tuple(map(type, bundle)) != self.types:
+            return False
+        if self.integers:
+            numbers += bundle
+            return True
+        arrays += itertools.compress(bundle, self.is_array)
+        for k in self.numbers:
+            numbers += _number(bundle[k])
+        for k, part in self.parts:
+            if not part.take_apart(bundle[k], arrays, numbers):
+                return False
+        return all(bool(bundle[k]) is value for k, value in self.switches) and all(
+            bundle[k].number == number for k, number in self.shared
+        )
+
+
+class _Layout:
+    """How bundles of one kind stand in memory, so that of another one only arrays and numbers are looked at.
+
+    Attributes:
+        kind, number: of the bundle; blank: words of the first bundle; fields: where its fields begin among them.
+    """
+
+    def __init__(self, bundle: tuple[Any, ...]) -> None:
+        kinds = kinds_of(bundle)
+        found = _types.get(kinds)
+        if found is None:
+            found = _types.setdefault(kinds, (_typeof(bundle), next(_numbers)))  # of one thread, for all
+        self.kind, self.number = found
+        words = _Words()
+        words.add(bundle)
+        self.blank = np.array(words.found, dtype=np.int64)
+        self.fields = words.fields
+        self._plan = _Plan(bundle, iter(words.arrays), iter(words.numbers))
+        self._arrays, self._numbers = (
+            np.array(at, dtype=np.int64) for at in (self._plan.arrays_at, self._plan.numbers_at)
+        )
+        arrays: list[np.ndarray] = []
+        self._plan.take_apart(bundle, arrays, [])
+        rows = [described(array) for array in arrays]
+        self._descriptions = np.array(rows, dtype=np.int64).reshape(-1, 3)
+
+    def words_of(self, bundle: tuple[Any, ...]) -> Integers | None:
+        """Return the words of a bundle; None if it is of another kind."""
+        arrays: list[np.ndarray] = []
+        numbers: list[int] = []
+        if not READABLE or not self._plan.take_apart(bundle, arrays, numbers):
+            return None
+        words = self.blank.copy()
+        objects = np.fromiter(map(id, arrays), dtype=np.int64, count=len(arrays))
+        if not lay_out(objects, self._descriptions, self._arrays, words):
+            return None
+        words[self._numbers] = numbers
+        return words
+
+
 class _Words:
-    """A value as compiled code has it in memory, in words of eight bytes; switches take a byte each."""
+    """A value as compiled code has it in memory, in words of eight bytes; switches take a byte each.
+
+    Attributes:
+        found: the words; arrays, fields: where arrays and fields of the outermost bundle begin among them; numbers: the
+            places of each.
+    """
 
     def __init__(self) -> None:
         self.found: list[int] = []
+        self.arrays: list[int] = []
+        self.numbers: list[range] = []
+        self.fields: list[int] = []
         self._switches = 0  # in the last word, which is full without any
+        self._within = False
 
     def add(self, value: Any) -> None:
         """Append a value."""
         if isinstance(value, np.ndarray):
             self._switches = 0
+            self.arrays.append(len(self.found))
             # nobody counts references to an array, which Python's bundle keeps
             self.found += (0, 0, value.size, value.itemsize, _place_of(value), *value.shape, *value.strides)
         elif isinstance(value, tuple) and value:
@@ -118,7 +231,10 @@ class _Words:
             mixed = not isinstance(value[0], bool | np.bool_ | tuple) or not _only_switches(value)
             if mixed:
                 self._switches = 0
+            outermost, self._within = not self._within, True
             for item in value:
+                if outermost:
+                    self.fields.append(len(self.found))
                 self.add(item)
             if mixed:
                 self._switches = 0
@@ -130,10 +246,14 @@ class _Words:
             self._switches += 1
         elif not isinstance(value, tuple):
             self._switches = 0
+            first = len(self.found)
             self.found += _number(value)
+            self.numbers.append(range(first, len(self.found)))
 
 
 def _number(value: Any) -> tuple[int, ...]:
+    if type(value) is int:
+        return (value,)
     if isinstance(value, Shared):
         return (value.address,)
     if isinstance(value, complex):

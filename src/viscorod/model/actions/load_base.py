@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, ClassVar, Self
 from pydantic import model_validator
 
 from viscorod.model.actions.load_effects import Arrows, Placing
-from viscorod.model.actions.time_function import Constant
 from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.connections.place import Place, find_rod, station_on
 from viscorod.model.fields.definition import Definition, RefusedError, show, some_of
@@ -68,11 +67,6 @@ class AnyLoad(Definition):
             place = next((f" at {at}" for at in (getattr(self, key, "") for key in ("at", "rod")) if at), "")
             why = f"the time of the {getattr(self, 'kind', 'load')}{place}: {error.why}"
             raise RefusedError(why, error.instead, found=error.found) from error
-
-    def steady_after(self, t: float) -> bool:
-        """Return whether the factor is known to stay the same from just after time `t` [s] to its next breakpoint."""
-        over = self.until is not None and t >= self.until
-        return over or self.time is None or isinstance(self.time, Constant)
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

@@ -188,6 +188,12 @@ class TimeTable(TimeFunction):
         return tuple(dict.fromkeys((times[0], *self._doubled, times[-1])))
 
     @property
+    def numbers(self) -> list[float]:
+        """How many rows there are, their times and values, and coefficients of the powers 0 to 3 between them."""
+        times, values = self._points
+        return [float(len(times)), *times, *values, *self._coefficients.ravel().tolist()]
+
+    @property
     def straight(self) -> bool:
         """Whether its pieces are straight lines."""
         return self.interpolation == "linear"

@@ -12,8 +12,6 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
-from viscorod.model.actions.load_base import AnyLoad
-from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import NodalLoad, Problem
@@ -128,7 +126,7 @@ NO_LOADS = LoadState(
 )
 
 
-class _Rows(NamedTuple):
+class LoadRows(NamedTuple):
     """Values ``(k, ...)`` of a load at nodes ``(k,)``, which may be there several times if not ``distinct``."""
 
     nodes: Integers
@@ -136,32 +134,23 @@ class _Rows(NamedTuple):
     distinct: bool
 
 
-def _rows_of(load: NodalLoad) -> tuple[_Rows | None, _Rows | None, _Rows | None]:
+def _rows_of(load: NodalLoad) -> tuple[LoadRows | None, LoadRows | None, LoadRows | None]:
     """Return dead and following wrenches of a load, and its levers, where they are not zero."""
     levers = load.arms[:, :, None] * load.dead[:, None, :3]
-    found: list[_Rows | None] = []
+    found: list[LoadRows | None] = []
     for values in (load.dead, load.following, levers):
         here = values.any(axis=tuple(range(1, values.ndim)))
         nodes = load.nodes[here]
         distinct = len(set(nodes.tolist())) == len(nodes)
-        found.append(_Rows(nodes, values[here], distinct) if len(nodes) else None)
+        found.append(LoadRows(nodes, values[here], distinct) if len(nodes) else None)
     return found[0], found[1], found[2]
 
 
-def _add_rows(factor: float, rows: _Rows, sums: Floats) -> None:
+def _add_rows(factor: float, rows: LoadRows, sums: Floats) -> None:
     if rows.distinct:
         sums[rows.nodes] += factor * rows.values
     else:
         np.add.at(sums, rows.nodes, factor * rows.values)
-
-
-def _steady(factor: TimeFactor, t: float) -> bool:
-    load = getattr(factor, "__self__", None)
-    return (
-        isinstance(load, AnyLoad)
-        and getattr(factor, "__func__", None) is AnyLoad.factor
-        and load.steady_after(t)
-    )
 
 
 class ExternalLoads:
@@ -169,6 +158,7 @@ class ExternalLoads:
 
     Attributes:
         motion: places of the loads that see motion, with their laws.
+        rows: dead and following wrenches of each load of nodes, and its levers, where they are not zero.
         stage: parts of the model's loads, and last of the rest strains, at ``scale`` 0 and 1 of a stage of statics;
             None: none and all of them.
     """
@@ -182,7 +172,7 @@ class ExternalLoads:
         self._factored = [(load.load, load.factor, True) for load in problem.nodal_loads]
         # what does nothing at rest is no load that grows in statics
         self._factored += [(load.load, load.factor, load.law.at_rest) for load in problem.motion_loads]
-        self._sums = [_rows_of(load) for load in problem.nodal_loads]
+        self.rows = [_rows_of(load) for load in problem.nodal_loads]
         self._loaded: dict[tuple[tuple[int, ...], bool], Integers] = {}
         self._factors: tuple[float, ...] | None = None
         self._state: LoadState | None = None
@@ -229,10 +219,6 @@ class ExternalLoads:
         self.last = replace(state, stations=stations)
         return self.last
 
-    def steady_after(self, t: float) -> bool:
-        """Return whether no load is known to change from just after the time ``t`` [s] to the next breakpoint."""
-        return not self.problem.station_loads and all(_steady(factor, t) for _, factor, _ in self._factored)
-
     def _parts_at(
         self, t: float, before: bool, scale: float, given: Mapping[int, float]
     ) -> tuple[float, ...]:
@@ -257,9 +243,9 @@ class ExternalLoads:
         problem, n = self.problem, self.problem.size
         dead, following, gravity = np.zeros((n, 6)), np.zeros((n, 6)), np.zeros(3)
         levers = np.zeros((n if self.offset else 0, 3, 3))
-        acting = [(factor, k) for k, factor in enumerate(factors[: len(self._sums)]) if factor != 0.0]
+        acting = [(factor, k) for k, factor in enumerate(factors[: len(self.rows)]) if factor != 0.0]
         for factor, k in acting:
-            for row, sums in zip(self._sums[k], (dead, following, levers), strict=True):
+            for row, sums in zip(self.rows[k], (dead, following, levers), strict=True):
                 if row is not None:
                     _add_rows(factor, row, sums)
             gravity += factor * problem.nodal_loads[k].gravity
@@ -288,7 +274,7 @@ class ExternalLoads:
         if found is None:
             marked = np.full(self.problem.size, everywhere)
             for k in acting:
-                for row in self._sums[k]:
+                for row in self.rows[k]:
                     if row is not None:
                         marked[row.nodes] = True
             found = self._loaded[acting, everywhere] = np.flatnonzero(marked).astype(np.int64)

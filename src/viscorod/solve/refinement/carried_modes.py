@@ -41,12 +41,18 @@ class CarriedModes:
             self._whole = rigid_share(problem, start.r, start.q, both) > WHOLE
             held, gradients = self._conditions(start, Parts.of(problem, start.r, start.q))
             self._free = len(motions_of_parts(problem, start.r, start.q, held, gradients).found)
-        self._momenta = block_diagonal(problem.mass) @ both[:, self._whole]
+        if self._carries:
+            self._momenta = block_diagonal(problem.mass) @ both[:, self._whole]
+
+    @property
+    def _carries(self) -> bool:
+        """Whether any motions are others in other states."""
+        return self._free > 0 and bool(self._whole.any())
 
     def at(self, state: State) -> tuple[Floats, Floats]:
         """Return the shapes of vibrations ``(6 n, k)`` and those of rigid motions ``(6 n, m)`` in a state."""
         modes = self.modes
-        if not self._whole.any() or not self._free:
+        if not self._carries:
             return modes.shapes, modes.rigid
         allowed = self._allowed(state)
         left, _, right = np.linalg.svd(allowed.T @ self._momenta, full_matrices=False)

@@ -8,7 +8,9 @@ eigenvalue ``a`` that is ``R(a h) - R(a h/2)^2`` of its amplitude, ``R`` being t
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -93,7 +95,8 @@ class HalvedSteps:
     What they err by is worked out when it is asked for: after the run, as a rule.
 
     Args:
-        twin: an integrator like that of the run, made anew.
+        make: makes an integrator like that of the run, which is needed where the compiled loop does not serve.
+        tolerance: of that, if steps follow one.
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
         turning: parts may turn against each other, and their motions with them.
@@ -101,37 +104,52 @@ class HalvedSteps:
 
     def __init__(
         self,
-        twin: Integrator,
+        make: Callable[[], Integrator],
         modes: StartModes,
         problem: Problem,
         order: int,
         *,
+        tolerance: float | None = None,
         strains: bool = False,
         turning: bool = True,
     ) -> None:
-        self.twin, self.modes, self.mass, self.strains = twin, modes, problem.mass, strains
+        self._make, self.tolerance = make, tolerance
+        self.modes, self.mass, self.strains = modes, problem.mass, strains
         self.problem, self.turning = problem, turning
         self.unit = np.repeat([problem.length, 1.0], 3)
         self._trials = Trials(*np.zeros((2, problem.size, 6)))
         self._unseen: list[TriedStep] = []
-        self.power, self.seen = order + 1, twin.seen_by_halving
+        self.power, self.seen = order + 1, 1.0
         self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
         self._carried: CarriedModes | None = None
+        self._run: Integrator | None = None
         self._kept = self._started = False
         self._duration = np.inf
 
+    @cached_property
+    def twin(self) -> Integrator:
+        """An integrator like that of the run."""
+        return self._make()
+
+    @property
+    def run(self) -> Integrator:
+        """The integrator of the run."""
+        assert self._run is not None
+        return self._run
+
     def begin(self, integrator: Integrator, duration: float) -> None:
         """Note where a run of ``duration`` [s] has begun, at t = 0."""
+        self._run, self.seen = integrator, integrator.seen_by_halving
         self._start, self._duration, self._started = integrator.state.copy(), duration, False
-        self._measure(_reached(integrator))
+        self._measure(integrator.state.r, integrator.state.q, integrator.snapshot().section_force)
 
     @property
     def trials(self) -> Trials:
         """What was found."""
         unseen, self._unseen = self._unseen, []
-        for step in unseen:
-            self._look_at(step)
+        if unseen:
+            self._look_at(unseen)
         return self._trials
 
     @property
@@ -206,57 +224,84 @@ class HalvedSteps:
         trials.times.append(step.end)
         self._unseen.append(step)
 
-    def _look_at(self, step: TriedStep) -> None:
-        """Work out what a step errs by."""
-        trials, better = self._trials, step.better
-        within = np.abs(self._away(step.middle.state, step.better_middle.state))
+    def _look_at(self, steps: list[TriedStep]) -> None:
+        """Work out what steps err by."""
+        trials = self._trials
+        _, _, _, *columns = zip(*steps, strict=True)
+        middle, whole, better_middle, better = map(_Several.of, columns)
+        within = np.abs(self._away(middle, better_middle)).max(axis=0)
         if self.strains:
-            inside = _largest(step.middle.section_force - step.better_middle.section_force)
+            inside = _largest(middle.section_force - better_middle.section_force)
             trials.apart = np.maximum(trials.apart, inside)
         trials.within = np.maximum(trials.within, within)
-        self._measure(better)
-        self._compare(step)
-        lacking = _largest(step.whole.section_force - better.section_force)
+        self._measure(better.r, better.q, better.section_force)
+        self._compare(steps, whole, better)
+        lacking = _largest(whole.section_force - better.section_force)
         trials.apart = np.maximum(trials.apart, lacking / self.seen)
 
-    def _compare(self, step: TriedStep) -> None:
-        """Take the error of a step apart, mode by mode."""
-        state, better, before = step.whole.state, step.better.state, step.before
-        modes, size = self.modes, len(self.mass)
-        pose = self._away(state, better)
-        moving = np.stack([pose, state.twist - better.twist, before, state.twist])
-        momenta = np.einsum("nij,knj->kni", self.mass, moving).reshape(4, -1)
-        momenta[:2] /= self.seen
+    def _compare(self, steps: list[TriedStep], whole: _Several, better: _Several) -> None:
+        """Take the errors of steps apart, mode by mode."""
+        before = np.array([step.before for step in steps])
+        pose = self._away(whole, better)
+        moving = np.stack([pose, whole.twist - better.twist, before, whole.twist], axis=1)
+        momenta = np.einsum("nij,lknj->lkni", self.mass, moving).reshape(len(steps), 4, -1)
+        momenta[:, :2] /= self.seen
         if self.turning and self._carried is None:
             assert self._start is not None
-            self._carried = CarriedModes(modes, self.problem, self._start)
+            self._carried = CarriedModes(self.modes, self.problem, self._start)
+        for step, moved, away in zip(steps, momenta, pose / self.seen, strict=True):
+            self._take_apart(step.better.state, moved, away)
+
+    def _take_apart(self, better: State, momenta: Floats, away: Floats) -> None:
+        """Take the error of one step apart.
+
+        Args:
+            better: by the halves, at its end.
+            momenta: errors of pose and twist, and twists at the start and at the end, by the mass ``(4, 6 n)``.
+            away: error of the pose ``(n, 6)``.
+        """
+        trials, modes = self._trials, self.modes
         shapes, still = (modes.shapes, modes.rigid) if self._carried is None else self._carried.at(better)
         errors, rigid = momenta[:2] @ shapes, momenta @ still
-        explained = (shapes @ errors[0] + still @ rigid[0]).reshape(size, 6)
+        explained = (shapes @ errors[0] + still @ rigid[0]).reshape(away.shape)
         errors[1] /= modes.omega
-        trials = self._trials
         trials.errors.append(errors)
         trials.amplitudes.append(np.abs(momenta[2:] @ shapes).max(axis=0) / modes.omega)
         trials.rigid.append(rigid[:2])
         trials.energies.append(np.square(rigid[2:]).sum(axis=1))
-        rest = pose / self.seen - explained
+        rest = away - explained
         if np.abs(rest / self.unit).max() > np.abs(trials.rest / self.unit).max():
             trials.rest = rest
 
-    def _measure(self, reached: Reached) -> None:
-        """Measure how large the motion is."""
+    def _measure(self, r: Floats, q: Floats, section_force: Floats) -> None:
+        """Measure how large the motion is, in one state or in several."""
         assert self._start is not None
-        start, state, trials = self._start, reached.state, self._trials
-        far = np.square(state.r - start.r).sum(axis=1).max()
-        chord = np.minimum(np.square(state.q - start.q).sum(axis=1), np.square(state.q + start.q).sum(axis=1))
+        start, trials = self._start, self._trials
+        far = np.square(r - start.r).sum(axis=-1).max()
+        chord = np.minimum(np.square(q - start.q).sum(axis=-1), np.square(q + start.q).sum(axis=-1))
         trials.moved = np.maximum(trials.moved, [math.sqrt(far), 2.0 * math.sqrt(chord.max())])
-        trials.forces = np.maximum(trials.forces, _largest(reached.section_force))
+        trials.forces = np.maximum(trials.forces, _largest(section_force))
 
-    def _away(self, state: State, better: State) -> Floats:
-        """Return by how much the poses of a state differ from better ones, body increments ``(n, 6)``."""
-        pose = np.empty((len(state.r), 6))
-        self._differences.call(better.r, better.q, state.r, state.q, pose)
+    def _away(self, states: _Several, better: _Several) -> Floats:
+        """Return by how much the poses of states differ from better ones, body increments ``(k, n, 6)``."""
+        pose = np.empty((*states.r.shape[:2], 6))
+        rows = [field.reshape(-1, field.shape[2]) for field in (better.r, better.q, states.r, states.q, pose)]
+        self._differences.call(*rows)
         return pose
+
+
+class _Several(NamedTuple):
+    """Several states ``(k, n, ...)``, and the section forces in them ``(k, m, 6)``."""
+
+    r: Floats
+    q: Floats
+    twist: Floats
+    section_force: Floats
+
+    @classmethod
+    def of(cls, reached: tuple[Reached, ...]) -> _Several:
+        fields = [(state.r, state.q, state.twist, force) for state, force in reached]
+        return cls(*(np.array(rows) for rows in zip(*fields, strict=True)))
 
 
 def _reached(integrator: Integrator) -> Reached:

@@ -23,7 +23,13 @@ from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 
-__all__ = ["find_addresses"]
+__all__ = ["NOWHERE", "find_addresses"]
+
+NOWHERE = Addresses._make([0] * 18)
+"""Addresses of kernels that are not known yet."""
+
+_known: dict[tuple[int, bool], Addresses] = {}
+"""By kinds of loops: addresses are good for as long as the process lives."""
 
 
 def find_addresses(
@@ -33,25 +39,30 @@ def find_addresses(
     systems: LoopSystems,
     states: Between,
     renewal: Renewal,
-    renew: int,
-    prepare: int,
+    number: int,
 ) -> Addresses:
-    """Return the addresses of all kernels, for the types of an integrator's arrays and of the loop's.
+    """Return the addresses of all kernels, for the types of an integrator's arrays and of the loop's, but of Python's.
 
     Args:
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
-        renewal: of Jacobians.
-        renew, prepare: of Python's functions.
+        renewal: of Jacobians; number: of the kind of loop.
     """
-    return Addresses(
-        **_of_attempts(integrator, model, given),
-        **_of_systems(integrator, systems),
-        **_of_records(integrator, model, given, states),
-        **_of_jacobians(integrator, given, renewal),
-        renew=renew,
-        prepare=prepare,
-        message=np.zeros(4),
-    )
+    renews = _renews(integrator)
+    key = number, renews
+    found = _known.get(key)
+    if found is None:
+        kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
+        kernels |= _of_records(integrator, model, given, states)
+        if renews:
+            kernels |= _of_jacobians(integrator, given, renewal)
+        found = _known[key] = NOWHERE._replace(**kernels)
+    return found
+
+
+def _renews(integrator: Radau) -> bool:
+    """Return whether compiled code renews Jacobians, see :class:`.Renewal`."""
+    system = integrator.system
+    return isinstance(system, GeometricSystem) and len(system.groups) == 1 and not integrator.supports.moving
 
 
 def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[str, int]:
@@ -131,10 +142,9 @@ def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: B
 
 
 def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:
-    """Return where the kernels are that renew a Jacobian, 0 where Python does, see :class:`.Renewal`."""
+    """Return where the kernels are that renew a Jacobian."""
     system, task = integrator.system, integrator.task
-    if not isinstance(system, GeometricSystem) or len(system.groups) != 1 or integrator.supports.moving:
-        return dict.fromkeys(("adjoint", "assemble", "collect", "add_loads", "add_inertia", "project"), 0)
+    assert isinstance(system, GeometricSystem)
     body, now, loads, out = integrator.body, given.now, task.loads, known.out
     matrices, mass, diagonal = task.matrices, body.mass, body.pattern.diagonal
     elements = known.elements, known.group, known.fields

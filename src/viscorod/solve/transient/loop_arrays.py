@@ -4,21 +4,26 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.integrators import loop_data
+from viscorod.solve.transient.integrators.lent_steps import Lent
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, StepEnd
 from viscorod.solve.transient.integrators.stage_data import Matrices
+from viscorod.solve.transient.loop_addresses import NOWHERE
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.typing import Floats
 
-__all__ = ["MOST_STEPS", "NOWHERE", "loop_arrays"]
+__all__ = ["MOST_CORNERS", "MOST_STEPS", "loop_arrays"]
 
 MOST_STEPS = 64
 """Steps at once: an interrupt waits for them."""
+MOST_CORNERS = 63
+"""Corners of loads that are known beforehand, beside the next one."""
 MOST_ROWS = 256
 """States at once."""
 LEAST_STEP = 1e-6
@@ -26,17 +31,21 @@ LEAST_STEP = 1e-6
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
 
-NOWHERE = loop_data.Addresses._make([*[0] * 18, np.zeros(4)])
-"""Addresses of kernels that are not known yet."""
-
 
 def loop_arrays(
-    integrator: Radau, control: ErrorControl, duration: float, output_interval: float | None
+    integrator: Radau,
+    control: ErrorControl,
+    duration: float,
+    output_interval: float | None,
+    courses: LoadCourses | None,
 ) -> loop_data.StepLoop:
-    """Make all that a loop works on, but the addresses of the kernels; arguments as of ``ManySteps``."""
+    """Make all that a loop works on, but the addresses of the kernels; arguments as of ``ManySteps``.
+
+    ``courses`` are those of the loads that the loop knows, None if Python evaluates them.
+    """
     lent, body = integrator.lent, integrator.body
     fields, reaction = integrator.recorder.present
-    state = _state(integrator, fields.shape[1], len(reaction))
+    state = _state(integrator, lent, fields.shape[1], len(reaction))
     clock = np.zeros(loop_data.CLOCK)
     return loop_data.StepLoop(
         model=loop_data.LoopModel(
@@ -54,12 +63,15 @@ def loop_arrays(
         trials=np.zeros(loop_data.TRIALS),
         batch=_batch(len(body.mass), fields.shape[1], len(reaction)),
         backup=_backup(state, lent.task.bundle.matrices, clock),
-        renewal=_renewal(integrator),
+        renewal=_renewal(integrator, lent),
+        message=np.zeros(4),
+        loads=_loads(integrator, courses),
+        ahead=np.full(MOST_CORNERS + 1, np.inf),
     )
 
 
-def _state(integrator: Radau, points: int, supports: int) -> loop_data.LoopState:
-    stages, lent = integrator.stages, integrator.lent
+def _state(integrator: Radau, lent: Lent, points: int, supports: int) -> loop_data.LoopState:
+    stages = integrator.stages
     n, s = len(integrator.body.mass), len(integrator.tableau.nodes)
     return loop_data.LoopState(
         lent.task.bundle.start,
@@ -126,14 +138,24 @@ def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> lo
     return loop_data.Backup(live, np.zeros(size), np.zeros(size))
 
 
-def _renewal(integrator: Radau) -> loop_data.Renewal:
+def _renewal(integrator: Radau, lent: Lent) -> loop_data.Renewal:
     """Return what Jacobians are renewed with."""
-    lent, system = integrator.lent, integrator.system
+    system = integrator.system
     matrices, work = lent.task.bundle.matrices, lent.task.bundle.work
     if not isinstance(system, GeometricSystem):
         raise TypeError(f"the compiled loop knows no tangent of a {type(system).__name__}")
     elements = system.lend_tangent(lent.kept.stress, matrices.K, matrices.C)
     return loop_data.Renewal(*elements, lent.ad, work.change, work.square, integrator.supports.target)
+
+
+def _loads(integrator: Radau, courses: LoadCourses | None) -> loop_data.LoopLoads:
+    """Return the loads, which the loop writes to where steps read them."""
+    given, at, offset = integrator.task.loads, len(integrator.body.mass), integrator.actions.loads.offset
+    known = LoadCourses.none() if courses is None else courses
+    count = len(known.formulas)
+    unknown = np.full((len(given.acting), count), np.nan)
+    stages = LoadSums(unknown, given.acting, given.dead, given.following, given.gravity, given.levers)
+    return loop_data.LoopLoads(known, stages, LoadSums.of(1, count, at, offset=offset))
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:

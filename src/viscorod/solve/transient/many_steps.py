@@ -1,10 +1,10 @@
-"""Many steps of a motion in one compiled call, where they need nothing of Python but loads and Jacobians."""
+"""Many steps of a motion in one compiled call, where they need little of Python."""
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
@@ -15,6 +15,7 @@ from viscorod.mechanics.compilation.shared import Shared
 from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
+from viscorod.solve.problem.load_courses import course_loads
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.halved_steps import HalvedSteps, Reached, TriedStep
 from viscorod.solve.transient.integrators import loop_data, step_loop
@@ -25,9 +26,8 @@ from viscorod.solve.transient.integrators.record_kernels import (
     StepEnd,
 )
 from viscorod.solve.transient.loop_addresses import find_addresses
-from viscorod.solve.transient.loop_arrays import MOST_STEPS, NOWHERE, loop_arrays
+from viscorod.solve.transient.loop_arrays import MOST_CORNERS, MOST_STEPS, loop_arrays
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
-from viscorod.solve.transient.step_choice import CORNER
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.solve.transient.trial_choice import SETTLED
 from viscorod.typing import Floats
@@ -74,14 +74,14 @@ class ManySteps:
         output_interval: float | None,
     ) -> None:
         self.integrator, self.control = integrator, control
-        self._loop = loop_arrays(integrator, control, duration, output_interval)
+        courses = None if integrator.supports.moving else course_loads(integrator.actions.loads)
+        self._loop = loop_arrays(integrator, control, duration, output_interval, courses)
         self._factors = integrator.systems.factors
-        self._renew, self._prepare = Callback(self._call_renew), Callback(self._call_prepare)
-        self._addresses: loop_data.Addresses | None = None
-        self._shared: dict[int, Shared[loop_data.StepLoop]] = {}
+        self._shared: Shared[loop_data.StepLoop] | None = None
+        self._callbacks: list[Callback] = []
+        self._known = courses is not None
         self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
-        self._loaded = False  # whether the loads of the stages are those between the present corners
 
     @classmethod
     def of(
@@ -115,17 +115,20 @@ class ManySteps:
 
     @property
     def ready(self) -> bool:
-        """Whether the next step can be taken: not the first one after a jump, nor with factors of another plan."""
-        return self.integrator.systems.factors is self._factors and self.integrator.predictor.last is not None
+        """Whether the next step can be taken: not with factors of another plan."""
+        return self.integrator.systems.factors is self._factors
 
-    def pass_corner(self) -> None:
-        """Note that loads may be others from the present time on."""
-        self._loaded = False
+    def look_ahead(self, corners: list[float]) -> None:
+        """Take note of corners [s] after the next one, up to which steps go on."""
+        ahead = self._loop.ahead
+        ahead[:] = np.inf
+        known = corners[:MOST_CORNERS]
+        ahead[: len(known)] = known
 
     def take(
         self, number: int, marks: list[int], halved: HalvedSteps | None, account: EnergyAccount
     ) -> Taken:
-        """Take steps up to the corner that the control has.
+        """Take steps up to the corners that are known.
 
         Args:
             number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
@@ -137,12 +140,12 @@ class ManySteps:
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
             trials[0], trials[2] = halved.coming
-            twin: Any = halved.twin
-            self._loop.limits[loop_data.HALF] = twin.half_tolerance
+            assert halved.tolerance is not None  # steps of Radau follow one
+            self._loop.limits[loop_data.HALF] = self.integrator.half_tolerance(halved.tolerance)
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: loop_data.MARKS]
-        why = self._steps.call(self._arguments(self._addressed()).argument)
+        why = self._steps.call(self._addressed().argument)
         self._finish()
         steps = int(numbers[loop_data.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
@@ -156,8 +159,8 @@ class ManySteps:
 
     def check(self) -> None:
         """Raise what went wrong in Python within the steps taken."""
-        self._renew.check()
-        self._prepare.check()
+        for callback in self._callbacks:
+            callback.check()
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
@@ -204,14 +207,7 @@ class ManySteps:
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls."""
-        self._steps.compiled((self._arguments(NOWHERE).argument,))
-
-    def _arguments(self, addresses: loop_data.Addresses) -> Shared[loop_data.StepLoop]:
-        """Return what the loop works on, in memory; loads are asked for in some calls only."""
-        found = self._shared.get(addresses.prepare)
-        if found is None:
-            found = self._shared[addresses.prepare] = Shared(self._loop._replace(calls=addresses))
-        return found
+        self._steps.compiled((Shared(self._loop).argument,))
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
@@ -272,9 +268,8 @@ class ManySteps:
             self._loop.numbers,
             self._loop.batch,
         )
-        known = integrator.predictor.last
-        assert known is not None
-        (old, length), state = known, integrator.state
+        state = integrator.state
+        old, length = integrator.predictor.last or (state, 0.0)
         for to, given in ((self._loop.state.now, state), (self._loop.state.last, old)):
             to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
         self._loop.state.points[1], self._loop.state.reactions[1] = integrator.recorder.present
@@ -291,6 +286,7 @@ class ManySteps:
         if isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.start is not None:
             follows, begun = self._loop.state.follows, integrator.tolerance.start
             follows.r[:], follows.q[:] = begun.r, begun.q
+        self._loop.loads.stages.factors[:] = np.nan  # what steps read may be Python's
         batch.notes[0], batch.states.energies[3] = 0, 0.0
         batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
 
@@ -303,10 +299,12 @@ class ManySteps:
         )
         t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
         have, fresh = (bool(numbers[k]) for k in (loop_data.HAVE, loop_data.FRESH))
-        counts = numbers[loop_data.EVALUATED : loop_data.NUMBERS].tolist()
+        counts = numbers[loop_data.EVALUATED : loop_data.PASSED].tolist()
         moved = t > self._began
         course = Course(t, factor_step, rate, have, fresh, *counts)
         self.integrator.take_back(now, course)
+        if self._known:
+            self.integrator.actions.reset()
         if numbers[loop_data.LOST] and factor_step > 0.0:
             self.integrator.systems.want(self.integrator.matrices, factor_step)
         self.integrator.newton_tolerance = float(self._loop.limits[loop_data.NEWTON])
@@ -317,25 +315,23 @@ class ManySteps:
             kinetic, elastic, work, loss = energies
             self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
 
-    def _addressed(self) -> loop_data.Addresses:
-        """Return where everything is; loads are asked for if they change before the corner."""
-        if self._addresses is None:
-            self._addresses = find_addresses(
-                self.integrator,
-                self._loop.model,
-                self._loop.state,
-                self._loop.systems,
-                self._loop.batch.states,
-                self._loop.renewal,
-                self._renew.address,
-                self._prepare.address,
-            )
-        integrator = self.integrator
-        still = not integrator.supports.moving and integrator.actions.loads.steady_after(integrator.t)
-        if still and not self._loaded:
-            integrator.prepare_step(float(self.control.numbers[CORNER]), True)
-        self._loaded = still
-        return self._addresses._replace(prepare=0 if still else self._prepare.address)
+    def _addressed(self) -> Shared[loop_data.StepLoop]:
+        """Return what the loop works on, in memory, with all addresses in it."""
+        if self._shared is None:
+            loop = self._loop
+            self._shared = Shared(loop)
+            arrays = loop.model, loop.state, loop.systems, loop.batch.states, loop.renewal
+            calls = find_addresses(self.integrator, *arrays, self._shared.number)
+            asked = {} if self._known else {"prepare": self._called(self._call_prepare)}
+            if not (self._known and calls.assemble):
+                asked["renew"] = self._called(self._call_renew)
+            self._shared.put("calls", calls._replace(**asked))
+        return self._shared
+
+    def _called(self, function: Callable[[Floats], None]) -> int:
+        """Return the address of a Python function."""
+        self._callbacks.append(Callback(function))
+        return self._callbacks[-1].address
 
     def _call_renew(self, message: Floats) -> None:
         self.integrator.t = float(message[0])

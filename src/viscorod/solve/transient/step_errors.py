@@ -81,7 +81,7 @@ class StepErrors:
         fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
         followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
-        squares = _squared_forces(problem, start, vibrating)
+        squares = _squared_forces(_system_of(halved, problem), start, vibrating)
         forces = _largest_forces(squares[followed])
         # stiff sections turn a motion that went far from the start into forces that are none
         stiff = trials.apart
@@ -131,7 +131,7 @@ def damped_by_steps(halved: HalvedSteps) -> StartModes:
     if not lengths:
         return modes
     h = float(np.median(lengths)) / FINER
-    left = np.clip(np.abs(halved.twin.stability(1j * modes.omega * h)), np.finfo(float).tiny, 1.0)
+    left = np.clip(np.abs(halved.run.stability(1j * modes.omega * h)), np.finfo(float).tiny, 1.0)
     return replace(modes, decay=modes.decay - np.log(left) / h)
 
 
@@ -152,11 +152,11 @@ def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
     """
     trials, eigenvalues = halved.trials, halved.modes.eigenvalues
     error = largest = amplitude = np.zeros(len(eigenvalues))
-    for single, there, h, count in zip(
-        trials.errors, trials.amplitudes, trials.lengths, stands_for, strict=True
+    every = np.outer(trials.lengths, eigenvalues)
+    steps = halved.run.stability(every.ravel()).reshape(every.shape)
+    for single, there, z, step, count in zip(
+        trials.errors, trials.amplitudes, every, steps, stands_for, strict=True
     ):
-        z = h * eigenvalues
-        step = halved.twin.stability(z)
         left = np.minimum(np.abs(step), 1.0 - 1e-12)
         kept, size = left**count, np.hypot(single[0], left * single[1])
         amplitude = np.maximum(amplitude, there)
@@ -185,14 +185,28 @@ def _rigid_motions(trials: Trials, stands_for: Floats, end: float) -> Floats:
     return error
 
 
-def _squared_forces(problem: Problem, start: State, fields: Floats) -> Floats:
+def _system_of(halved: HalvedSteps, problem: Problem) -> GeometricSystem:
+    """Return a system whose sections respond at once: that of the run, which is over, if it is one."""
+    known: object = getattr(halved.run, "system", None)
+    if (
+        type(known) is GeometricSystem
+        and known.problem is problem
+        and known.relaxation is None
+        and not known.imposed.changes
+    ):
+        return known
+    system = GeometricSystem(problem)
+    system.relaxation = None
+    return system
+
+
+def _squared_forces(system: GeometricSystem, start: State, fields: Floats) -> Floats:
     """Return the squared section forces of small motions from the start, at all Gauss points ``(j, m, 6)``.
 
     Args:
-        fields: body increments of the nodes ``(6 n, j)``.
+        system: in which forces follow; fields: body increments of the nodes ``(6 n, j)``.
     """
-    system = GeometricSystem(problem)
-    system.relaxation = None
+    problem = system.problem
     elements, still = system.elements(), np.zeros((problem.size, 6, 6))
     operators, stress = Operators.of(elements), np.zeros(elements.reference.shape)
     system.linearise(start, still, stress, operators, *np.zeros((2, len(problem.pattern.rows), 6, 6)))

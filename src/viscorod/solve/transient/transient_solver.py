@@ -132,12 +132,14 @@ class Transient:
             self.resume(checkpoint)
         corners, jumps = self.corners(0.0, self.duration)
         t, restart, resumed = integrator.t, True, checkpoint is not None
-        for corner in corners:
+        for k, corner in enumerate(corners):
             if resumed and corner < t:
                 continue
-            if not resumed:
+            if not resumed and integrator.t < corner:  # steps taken at once may have passed it
                 control.begin(t, corner, first=integrator.first_step(self.duration) if restart else None)
             resumed = False
+            if self.many is not None:
+                self.many.look_ahead(_up_to_jump(corners[k:], jumps))
             if not self.integrate_to(corner):
                 return
             t, restart = corner, corner in jumps
@@ -163,8 +165,6 @@ class Transient:
     def integrate_to(self, corner: float) -> bool:
         """Integrate to the time ``corner`` [s], for which the step control is set; False if the run ends before."""
         integrator = self.integrator
-        if self.many is not None:
-            self.many.pass_corner()
         while integrator.t < corner:
             steps = self.effort.steps
             if self.many is not None and not self._take_many(self.many):
@@ -358,3 +358,9 @@ class Transient:
         if self.problem.rest_strains:
             self.account.actuator += self.integrator.elastic - elastic
             self.account.elastic = self.integrator.elastic
+
+
+def _up_to_jump(corners: list[float], jumps: set[float]) -> list[float]:
+    """Return the corners after the first, no further than to the first jump among all."""
+    first = next((k for k, corner in enumerate(corners) if corner in jumps), len(corners))
+    return corners[1 : first + 1]

@@ -5,6 +5,7 @@ from __future__ import annotations
 from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import exact_part
+from viscorod.mechanics.nodes.load_courses import sum_loads
 from viscorod.solve.transient.amplitude import (
     LENGTH,
     USUAL,
@@ -135,7 +136,7 @@ def follow(run: StepLoop, t: float) -> None:
 def renew(run: StepLoop) -> None:
     """Linearise at the start of a step, as ``stage_model.StageModel.renew_jacobian`` does."""
     task, now, calls, known = run.model.task, run.state.now, run.calls, run.renewal
-    body, loads, matrices, out = task.body, task.loads, task.matrices, known.out
+    body, loads, matrices, out = task.body, run.loads.start, task.matrices, known.out
     mass, diagonal = body.mass, body.pattern.diagonal
     _do(calls.adjoint, (now.twist, known.ad))
     clear_blocks(out.blocks)
@@ -145,6 +146,7 @@ def renew(run: StepLoop) -> None:
     elements = (known.elements, known.group, known.fields)
     _do(calls.assemble, (*elements, now.r, now.q, now.twist, True, known.ad, True, out))
     _do(calls.collect, (*elements, matrices.operators))
+    sum_loads(run.loads.courses, run.clock[T], False, 0, loads)
     if loads.acting[0] != 0.0:
         acting = (loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass)
         _do(calls.add_loads, (body.loaded, now.q, *acting, True, known.external, out.blocks, diagonal))
@@ -157,16 +159,28 @@ def renew(run: StepLoop) -> None:
 
 
 @exact_part
+def give_loads(run: StepLoop, t: float, end: float) -> None:
+    """Sum the loads at the stages of a step from ``t`` to ``end`` [s], at a corner its limits from the left."""
+    nodes, loads, corner = run.model.task.method.nodes, run.loads, run.control[CORNER]
+    last = nodes.shape[0] - 1
+    for i in range(last):
+        sum_loads(loads.courses, t + nodes[i] * (end - t), False, i, loads.stages)
+    sum_loads(loads.courses, end, end == corner, last, loads.stages)
+
+
+@exact_part
 def provide(run: StepLoop, end: float) -> int:
     """Provide loads, Jacobian and factors of a step to ``end`` [s]; return why the loop ends, or :data:`GOES_ON`."""
     clock, numbers, calls = run.clock, run.numbers, run.calls
-    t, message, whole = clock[T], calls.message, numbers[TAKEN] == WHOLE
+    t, message, whole = clock[T], run.message, numbers[TAKEN] == WHOLE
     if calls.prepare != 0:
         message[0], message[1] = t, end
         message[2] = 1.0 if end == run.control[CORNER] else 0.0
         call(calls.prepare, message.ctypes, 4)
         if message[0] != t:
             return RAISED
+    else:
+        give_loads(run, t, end)
     if numbers[HAVE] == 0:
         if calls.assemble != 0 and calls.prepare == 0:
             renew(run)
@@ -193,6 +207,25 @@ def provide(run: StepLoop, end: float) -> int:
 
 
 @exact_part
+def predict(run: StepLoop, h: float) -> None:
+    """Predict the stages of a step of ``h`` [s], see ``predictor.Predictor.predict``."""
+    task, state = run.model.task, run.state
+    now, old, stages, kept, body = state.now, state.last, task.stages, state.kept, task.body
+    if run.clock[LAST_STEP] > 0.0:
+        last = LastStep(run.clock[LAST_STEP], old.r, old.q, old.twist, kept.X, state.stress)
+        given = (task.method, run.model.gap, last, h, now.r, now.q, body.split, body.held)
+        _do(run.calls.predict, (*given, state.weights, stages.X, state.stages_stress))
+        return
+    for i in range(stages.X.shape[0]):
+        for e in range(kept.stress.shape[0]):
+            copy(kept.stress[e], stages.stress[i, e])
+        ahead = task.method.nodes[i] * h
+        for k in range(now.twist.shape[0]):
+            for a in range(6):
+                stages.X[i, k, a] = 0.0 if body.held[k] != 0.0 else ahead * now.twist[k, a]
+
+
+@exact_part
 def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     """Try a step to ``end`` [s]; halves of one that is tried again count for nothing.
 
@@ -204,14 +237,9 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     why = provide(run, end)
     if why != GOES_ON:
         return why, 0, 0.0, 0
-    clock, numbers, limits, task, state = run.clock, run.numbers, run.limits, run.model.task, run.state
-    h, now, old, stages, calls = end - clock[T], state.now, state.last, task.stages, run.calls
-    last = LastStep(clock[LAST_STEP], old.r, old.q, old.twist, state.kept.X, state.stress)
-    where = (now.r, now.q, task.body.split, task.body.held)
-    _do(
-        calls.predict,
-        (task.method, run.model.gap, last, h, *where, state.weights, stages.X, state.stages_stress),
-    )
+    clock, numbers, limits, task = run.clock, run.numbers, run.limits, run.model.task
+    h, stages, calls = end - clock[T], task.stages, run.calls
+    predict(run, h)
     given = task.numbers
     given[H], given[TOLERATED] = h, limits[NEWTON]
     given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]

@@ -7,6 +7,7 @@ from typing import Any, NamedTuple
 from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
@@ -14,9 +15,9 @@ from viscorod.typing import Floats, Integers
 
 T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
 HAD, WAS_FRESH, CLOCK = range(10, 13)
-"""Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s], its rotation
-[rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end; ``HAVE`` and ``FRESH`` of a
-state that is put back."""
+"""Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s] (0: there was
+none, or a jump since), its rotation [rad]; energies at its end, its work and loss [J], the largest shear or stretch at
+its end; ``HAVE`` and ``FRESH`` of a state that is put back."""
 
 (
     HAVE,
@@ -33,11 +34,12 @@ state that is put back."""
     EVALUATED,
     FACTORISED,
     RENEWED,
+    PASSED,
     NUMBERS,
-) = range(15)
+) = range(16)
 """Places among the numbers: whether there is a Jacobian, and one of the present step, and whether its factors are lost;
 most steps; then counts, among them the steps that are tried again, beside whether the present one is, and what of it is
-taken."""
+taken, and last the corners of the loads that were passed."""
 
 TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
 STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, HALF, WAS, LIMITS = range(6, 18)
@@ -73,8 +75,16 @@ class LoopModel(NamedTuple):
     gap: Floats
 
 
+class LoopLoads(NamedTuple):
+    """The loads, where they are functions of time that compiled code knows: of the stages, and at the step's start."""
+
+    courses: LoadCourses
+    stages: LoadSums
+    start: LoadSums
+
+
 class Renewal(NamedTuple):
-    """What a Jacobian is renewed with where loads and supports stand still and all elements are of one group.
+    """What a Jacobian is renewed with where supports stand still and all elements are of one group.
 
     Attributes:
         elements, group, fields: of the assembly; out: internal forces, which nobody reads, and the matrices.
@@ -174,10 +184,7 @@ class Backup(NamedTuple):
 
 
 class Addresses(NamedTuple):
-    """Where the kernels are, and Python functions; 0 where nothing changes in the loads, or Python renews Jacobians.
-
-    ``message (4,)`` tells Python the time, the end of the step, whether it is a corner, and whether it is a half.
-    """
+    """Where the kernels are, and Python functions; 0 where the loop knows the loads, or Python renews Jacobians."""
 
     step: int
     reduce_real: int
@@ -197,7 +204,6 @@ class Addresses(NamedTuple):
     project: int
     renew: int
     prepare: int
-    message: Floats
 
 
 class StepLoop(NamedTuple):
@@ -207,6 +213,8 @@ class StepLoop(NamedTuple):
         model, systems, state, calls: what steps are made of.
         clock, numbers, limits: see above; control: those of ``step_choice``; trials: steps that are tried again.
         batch: outputs; backup: of what steps go on from; renewal: of Jacobians.
+        message: tells Python time and end of the step [s], whether that is a corner, and whether it is a half ``(4,)``.
+        loads: that the loop knows; ahead: corners after the next one [s], where steps go on at once, then inf.
     """
 
     model: LoopModel
@@ -221,3 +229,6 @@ class StepLoop(NamedTuple):
     batch: Batch
     backup: Backup
     renewal: Renewal
+    message: Floats
+    loads: LoopLoads
+    ahead: Floats

@@ -54,7 +54,10 @@ class Radau(Collocation):
         self.turned = KnownTypes(largest_turn)
 
     def _newton_tolerance(self) -> float:
-        return max(self.newton_factor * float(self.tolerance.value**self.newton_power), LEAST_CHANGE)
+        return self._newton_at(self.tolerance.value)
+
+    def _newton_at(self, tolerance: float) -> float:
+        return max(self.newton_factor * float(tolerance**self.newton_power), LEAST_CHANGE)
 
     def start(self, t: float, state: State) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -70,12 +73,11 @@ class Radau(Collocation):
 
     def begin_half(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        self.newton_tolerance = self.half_tolerance
+        self.newton_tolerance = self.half_tolerance(self.tolerance.value)
 
-    @property
-    def half_tolerance(self) -> float:
-        """What the iteration may leave in a half of a step."""
-        return max(self.half_iteration * self._newton_tolerance(), LEAST_CHANGE)
+    def half_tolerance(self, tolerance: float) -> float:
+        """Return what the iteration may leave in a half of a step, under a tolerance."""
+        return max(self.half_iteration * self._newton_at(tolerance), LEAST_CHANGE)
 
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         self._turn, node = self.turned.call(self.stages.X[self._last])

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
-from viscorod.mechanics.compilation.shared import Shared, kinds_of
+from viscorod.mechanics.compilation.shared import Shared
 from viscorod.mechanics.elements.internal_force import GaussStates, energies
 from viscorod.mechanics.elements.intrinsic_element import StrainMotion
 from viscorod.mechanics.elements.maxwell_branches import MaxwellArrays
@@ -164,9 +164,8 @@ class StageModel:
         )
         known = self._shared
         if known is None or not all(map(operator.is_, parts, known.bundle)):
-            task = StepTask(*parts, StepCalls())
-            kinds = kinds_of(task)
-            known = self._shared = Shared(task._replace(calls=step_calls(task, kinds)), kinds)
+            known = self._shared = Shared(StepTask(*parts, StepCalls()))
+            known.put("calls", step_calls(known))
         return known
 
     def prepare_step(self, end: float, before: bool) -> None:

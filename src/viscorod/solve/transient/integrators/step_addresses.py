@@ -29,18 +29,19 @@ _known: dict[Any, StepCalls] = {}
 """By types of all arrays, and by what there is: addresses are good for as long as the process lives."""
 
 
-def step_calls(task: StepTask, kinds: Any) -> StepCalls:
+def step_calls(shared: Shared[StepTask]) -> StepCalls:
     """Return the addresses of the kernels that the step of a model needs; in pure Python they say what there is.
 
     Args:
-        task: of the step, whose own calls are not looked at; kinds: of its arrays (see ``kinds_of``).
+        shared: the step, whose own calls are not looked at.
     """
+    task = shared.bundle
     needed = needed_kernels(task)
-    key = kinds, tuple(needed)
+    key = shared.number, tuple(needed)
     found = _known.get(key)
     if found is None:
         own = _own(task)
-        here: Arguments = (Shared(task, kinds).argument,)
+        here: Arguments = (shared.argument,)
         addresses: dict[str, int] = {}
         for name, kernel in needed.items():
             result, arguments = own.get(name, (NOTHING, None))

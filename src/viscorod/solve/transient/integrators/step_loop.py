@@ -1,12 +1,15 @@
 """Many steps of Radau IIA in one compiled call: attempts, step control, energy account, records, and halves of steps.
 
 The large kernels (the step, factorisations) are called through their addresses, and what the loop works on is handed
-from part to part by reference, so that it is compiled once and quickly; Python is called for what only it can do: loads
-that change, and new Jacobians while they do. Every number is that of steps taken one by one (see ``collocation``,
-``radau``, ``transient_solver``), bit for bit.
+from part to part by reference, so that it is compiled once and quickly. Loads are summed here if they are functions of
+time that are known (see ``load_courses``); Python is called for others, for motions of supports, and for Jacobians of
+some models. Every number is that of steps taken one by one (see ``collocation``, ``radau``, ``transient_solver``), bit
+for bit.
 """
 
 from __future__ import annotations
+
+import math
 
 from viscorod.mechanics.compilation.compiled import exact_part, loop
 from viscorod.mechanics.compilation.references import refer
@@ -26,6 +29,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     LOSS,
     MOST,
     MOST_TRIALS,
+    PASSED,
     REACHED,
     REJECTED,
     ROWS,
@@ -55,7 +59,7 @@ __all__ = ["take_steps"]
 
 @loop
 def take_steps(given: StepLoop) -> int:
-    """Take steps up to the corner that ``control`` has, or until something is Python's; return why it ends.
+    """Take steps up to the last corner that is known, or until something is Python's; return why it ends.
 
     Some are tried again in halves, from where they began, and then the motion goes on from where it was.
     """
@@ -70,7 +74,7 @@ def take_steps(given: StepLoop) -> int:
 def take_whole(run: StepLoop) -> int:
     """Try a step of the motion, and take it if its error is tolerated; return why the loop ends, or GOES_ON."""
     t, numbers, notes = run.clock[T], run.numbers, run.batch.notes
-    if not t < run.control[CORNER]:
+    if not t < run.control[CORNER] and not pass_corner(run):
         return REACHED
     end = end_of_step(run.control, t)
     why = begin(run, t, end)
@@ -104,6 +108,17 @@ def take_whole(run: StepLoop) -> int:
     if numbers[TRYING] != 0:
         begin_halves(run, end, h)
     return GOES_ON
+
+
+@exact_part
+def pass_corner(run: StepLoop) -> bool:
+    """Go on beyond a corner, if there is nothing to be done there; return whether there is not."""
+    corner = run.ahead[run.numbers[PASSED]]
+    if not corner < math.inf:
+        return False
+    run.control[CORNER] = corner
+    run.numbers[PASSED] += 1
+    return True
 
 
 @exact_part
