@@ -78,7 +78,7 @@ def layout_of(model: ModelDescription, divisions: Divisions) -> Layout:
         InputError: the mesh cannot satisfy the model.
     """
     nodes = sum(division.order * division.count + 1 for division in divisions.values())
-    if nodes + len(model.bodies) > MOST_NODES:
+    if nodes + len(model.bodies) > MOST_NODES or any(map(_computed, model.rods.values())):
         return _laid_out(model, divisions)
     return _kept(_Alike(model, divisions))
 
@@ -121,6 +121,11 @@ class _Same:
 def _shape(rod: Rod) -> tuple[Any, ...]:
     """Return what of a rod its nodes depend on, and which strains it holds."""
     return rod.centreline, rod.d1, rod.turn, rod.tilt, rod.constrained_strains, rod.elements
+
+
+def _computed(rod: Rod) -> bool:
+    """Return whether the shape of a rod comes from functions of its user, who may want other values the next time."""
+    return any(map(callable, (rod.turn, rod.tilt, *(value for _, value in rod.centreline))))
 
 
 def _token(value: Any) -> Any:
