@@ -93,9 +93,9 @@ class _Alike:
             division = divisions[name]
             self._parts += [name, division.order, division.ends.tobytes(), *map(_token, _shape(rod))]
         for name, body in model.bodies.items():
-            self._parts += [name, _Same(body)]
+            self._parts += [name, _part(body)]
         for parts in (model.supports, model.attachments, model.joints, model.springs):
-            self._parts += [len(parts), *map(_Same, parts)]
+            self._parts += [len(parts), *map(_part, parts)]
         self._number = hash(tuple(self._parts))
 
     def __hash__(self) -> int:
@@ -116,6 +116,12 @@ class _Same:
 
     def __eq__(self, other: object) -> bool:
         return isinstance(other, _Same) and self.part is other.part
+
+
+def _part(part: Any) -> Any:
+    """Return what stands for a part of a model: itself, and what its tables hold now, which its user may change."""
+    tables = [value for value in getattr(part, "__dict__", {}).values() if isinstance(value, dict)]
+    return _Same(part), *((key, _token(value)) for table in tables for key, value in table.items())
 
 
 def _shape(rod: Rod) -> tuple[Any, ...]:
