@@ -114,6 +114,43 @@ def test_what_is_shared_changes_no_bit(name, rows):
         assert found == alone
 
 
+@pytest.mark.parametrize("name", ["twist", "tilt"])
+def test_functions_of_the_arc_length_are_asked_every_time(name):
+    """A user may change what they return; nodes turn by it: half of it, from the identity, is in their quaternions."""
+    angle = [0.2]
+    given = {
+        "twist": lambda s: angle[0] * s,
+        "tilt": lambda s: (0.0, 0.0, angle[0] * s),
+    }
+    model = vr.Model()
+    section = vr.Rectangle(width=0.01, height=0.02)
+    material = vr.Material(youngs_modulus=1e6, poissons_ratio=0.3)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=section, material=material, elements=1, **{name: given[name]}
+    )
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    found = []
+    for angle[0] in (0.2, 0.4):
+        quaternions = DiscreteModel.of(model).problem.quaternions
+        found.append(2.0 * math.acos(abs(float(quaternions[0] @ quaternions[-1]))))
+    assert found == pytest.approx([0.2, 0.4], rel=1e-6)
+
+
+def test_a_table_of_a_joint_that_was_changed_in_place_counts():
+    """The energy of a spring in a hinge goes with its stiffness."""
+    model = vr.Model()
+    section = vr.Rectangle(width=0.01, height=0.02)
+    material = vr.Material(youngs_modulus=1e6, poissons_ratio=0.3)
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=material, elements=1))
+    model.revolute("beam.start", "ground", (0, 0, 1), stiffness={"rz": 1.0})
+    found = []
+    for stiffness in (1.0, 3.0):
+        model.joints[0].stiffness["rz"] = stiffness
+        found.append(float(DiscreteModel.of(model).problem.joints.arrays.stiffness.max()))
+    assert found == [1.0, 3.0]
+
+
 def test_a_problem_made_of_another_shares_nothing_with_it():
     problem = discretised_case(members("cantilever_swing", [SWING])[0]).problem
     assert free_motions(problem) == []

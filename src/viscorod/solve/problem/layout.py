@@ -78,7 +78,7 @@ def layout_of(model: ModelDescription, divisions: Divisions) -> Layout:
         InputError: the mesh cannot satisfy the model.
     """
     nodes = sum(division.order * division.count + 1 for division in divisions.values())
-    if nodes + len(model.bodies) > MOST_NODES:
+    if nodes + len(model.bodies) > MOST_NODES or any(map(_computed, model.rods.values())):
         return _laid_out(model, divisions)
     return _kept(_Alike(model, divisions))
 
@@ -93,9 +93,9 @@ class _Alike:
             division = divisions[name]
             self._parts += [name, division.order, division.ends.tobytes(), *map(_token, _shape(rod))]
         for name, body in model.bodies.items():
-            self._parts += [name, _Same(body)]
+            self._parts += [name, _part(body)]
         for parts in (model.supports, model.attachments, model.joints, model.springs):
-            self._parts += [len(parts), *map(_Same, parts)]
+            self._parts += [len(parts), *map(_part, parts)]
         self._number = hash(tuple(self._parts))
 
     def __hash__(self) -> int:
@@ -118,9 +118,20 @@ class _Same:
         return isinstance(other, _Same) and self.part is other.part
 
 
+def _part(part: Any) -> Any:
+    """Return what stands for a part of a model: itself, and what its tables hold now, which its user may change."""
+    tables = [value for value in getattr(part, "__dict__", {}).values() if isinstance(value, dict)]
+    return _Same(part), *((key, _token(value)) for table in tables for key, value in table.items())
+
+
 def _shape(rod: Rod) -> tuple[Any, ...]:
     """Return what of a rod its nodes depend on, and which strains it holds."""
     return rod.centreline, rod.d1, rod.turn, rod.tilt, rod.constrained_strains, rod.elements
+
+
+def _computed(rod: Rod) -> bool:
+    """Return whether the shape of a rod comes from functions of its user, who may want other values the next time."""
+    return any(map(callable, (rod.turn, rod.tilt, *(value for _, value in rod.centreline))))
 
 
 def _token(value: Any) -> Any:
