@@ -42,7 +42,7 @@ def _word(_context: Any, address: Any) -> Any:
 
 
 def _read(address: int) -> int:
-    return int(ctypes.c_int64.from_address(address).value)
+    return int(ctypes.c_int64.from_address(int(address)).value)
 
 
 _compiled: Any = _read if PURE_PYTHON else intrinsic(_word)
