@@ -1,5 +1,10 @@
 """Linear algebra takes one thread while something is computed, and as many as before afterwards."""
 
+import os
+import subprocess
+import sys
+
+import scipy.linalg  # noqa: F401 - brings its library, so that the test may limit it
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import viscorod as vr
@@ -23,3 +28,23 @@ def test_threads_of_the_process_are_as_before():
         after = threads()
     assert set.union(*seen) == {1}
     assert after == {2}
+
+
+FIRST = """
+import sys
+from threadpoolctl import threadpool_info
+from viscorod.analyses.one_thread import one_blas_thread
+assert "scipy.linalg" not in sys.modules
+with one_blas_thread():
+    import scipy.linalg
+    print({pool["num_threads"] for pool in threadpool_info() if pool["user_api"] == "blas"})
+"""
+
+
+def test_the_first_computation_of_a_process_takes_one_thread_too():
+    """Libraries that come with the first computation are limited as well, not only those that were there before."""
+    given = {name: value for name, value in os.environ.items() if not name.endswith("NUM_THREADS")}
+    told = subprocess.run(
+        [sys.executable, "-c", FIRST], env=given, capture_output=True, text=True, check=False
+    )
+    assert told.stdout.strip() == "{1}", told.stderr
