@@ -9,6 +9,7 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
+from viscorod.analyses.derivatives import motions
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.derivatives.changed_arrays import differing_fields
 from viscorod.analyses.derivatives.neighbours import Neighbours
@@ -335,6 +336,21 @@ def test_a_second_number_takes_up_what_the_first_one_found(monkeypatch):
         swing().simulate(0.2, output_interval=0.1, derivatives=keys)
         sums.append(sum(iterated))
     assert sums[1] - sums[0] < 0.8 * sums[0]
+
+
+def test_what_a_number_moves_at_rest_tells_how_far_its_neighbours_are(monkeypatch):
+    """Poisson's ratio hardly bends a bar: all go through the steps once, as far apart as the equilibrium asks for."""
+    passes = []
+    together = motions.side_by_side
+
+    def counted(all_of_them, *args):
+        passes.append(len(all_of_them))
+        return together(all_of_them, *args)
+
+    monkeypatch.setattr(motions, "side_by_side", counted)
+    keys = [E, "materials.rubber.poissons_ratio"]
+    swing().simulate(0.1, output_interval=0.05, derivatives=keys)
+    assert len(passes) == 1
 
 
 def test_a_state_that_was_stored_is_taken_as_it_is(monkeypatch):
