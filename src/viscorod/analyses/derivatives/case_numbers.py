@@ -47,12 +47,15 @@ class CaseNumber:
         table, name, within = _place(key)
         part = _part(model, key, table, name)
         content = _completed(part, part.to_dict(), within)
+        place = key
+        if (row := _row_of_diagonal(content, within)) is not None:
+            within, place = [*within, row], f"{key}[{row}]"
         value, size = _number(key, content, within, part)
 
         def changed(other: float) -> ModelDescription:
             new = copy.deepcopy(content)
             whole = {table: {name: new} if isinstance(name, str) else [{}] * name + [new]}
-            put(whole, key, other)
+            put(whole, place, other)
             return _with_part(model, table, name, part, new, within)
 
         return cls(key, value, _unit(part, within), size, changed)
@@ -149,6 +152,23 @@ def _inside(owner: Any, word: str | int) -> Any:
     if isinstance(owner, Rod) and not hasattr(owner, word):
         owner = owner.centreline
     return owner.get(word) if isinstance(owner, dict) else getattr(owner, word, None)
+
+
+def _row_of_diagonal(content: dict[str, Any], within: list[str | int]) -> int | None:
+    """Return the row that a key ends at, of a diagonal matrix, which case files give by its diagonal; else None."""
+    around: Any = content
+    for word in within[:-1]:
+        try:
+            around = around[word]
+        except (KeyError, IndexError, TypeError):
+            return None
+    row = within[-1]
+    if not isinstance(row, int) or not isinstance(around, list) or not 0 <= row < len(around):
+        return None
+    square = all(isinstance(line, list) and len(line) == len(around) for line in around)
+    if not square or any(x != 0.0 for i, line in enumerate(around) for j, x in enumerate(line) if i != j):
+        return None
+    return row
 
 
 def _number(

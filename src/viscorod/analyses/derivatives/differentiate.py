@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.analyses.call_arguments import Differentiated
-from viscorod.analyses.derivatives.changed_arrays import Kind, kind_of
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
@@ -31,9 +30,6 @@ if TYPE_CHECKING:
     import xarray as xr
 
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
-
-FEW = 1e-4
-"""Change of a number, as a part of it, of the two neighbours of an equilibrium: they leave about its square."""
 
 
 def on_mesh_of(discrete: DiscreteModel, result: Any) -> DiscreteModel:
@@ -78,7 +74,7 @@ def equilibrium_derivatives(
                 "leave stages and start out",
             )
         )
-    every = [_neighbours(model, key, discrete) for key in keys]
+    every = [Neighbours.of(model, key, discrete) for key in keys]
     histories = [[History() for _ in one.each] for one in every]
     for factor in map(float, result.load_factor):
         state = StartState(discrete, Start(result=result, load_factor=factor)).state
@@ -92,16 +88,6 @@ def equilibrium_derivatives(
         neighbours.number.key: derivative(neighbours, result, kept, Equilibrium)
         for neighbours, kept in zip(every, histories, strict=True)
     }
-
-
-def _neighbours(model: ModelDescription, key: str, discrete: DiscreteModel) -> Neighbours:
-    """Return the neighbours that an equilibrium is differentiated by.
-
-    Arrays and loads are smooth in a number: two neighbours leave 1e-8. What moves nodes is told by large strains that
-    nearly cancel, by four.
-    """
-    few = Neighbours.of(model, key, discrete, FEW)
-    return Neighbours.of(model, key, discrete) if kind_of(discrete.problem, few) is Kind.MORE else few
 
 
 def record_static(

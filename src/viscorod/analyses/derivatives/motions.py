@@ -9,7 +9,7 @@ derivative of the discrete equations.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -54,6 +54,8 @@ HIDDEN, FARTHEST = 3e-7, 1e-2
 changes them less has four neighbours, which may differ by so much of it."""
 WEAK, WEAKER = ("damping", "inertia"), 10.0
 """Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
+UNMOVED = 1e-11
+"""The same of numbers that change nothing at rest, such as times of damping: what they move is seen in the motion."""
 OPEN = 1e-9
 """Gap of a joint over the length of the model (in rad) from which on it is open."""
 ALIKE = 0.5
@@ -71,22 +73,17 @@ def motion_derivatives(
     require_known(settings, run, keys)
     close = None if settings.integrator in UNEVEN else change_of(len(run.ends_of_steps))
     start = MotionStart(discrete, settings, run)
-    at_first = [close and close * (WEAKER if any(word in key for word in WEAK) else 1.0) for key in keys]
-    every = [Neighbours.of(model, key, discrete, few) for key, few in zip(keys, at_first, strict=True)]
-    histories = _histories(every, settings, start, run)
-    again = {}
-    for k, (neighbours, kept) in enumerate(zip(every, histories, strict=True)):
-        few, moved = at_first[k], _moved(kept, discrete.problem.length)
-        if few is None or LEAST <= moved <= MOST:
-            continue
-        key, other = neighbours.number.key, few * WANTED / max(moved, 1e-30)
-        nearer = min(other, LARGEST)
-        if moved * LARGEST < HIDDEN * few:
-            again[k] = Neighbours.of(model, key, discrete, many=min(other, FARTHEST))
-        elif abs(nearer - few) > ALIKE * few:
-            again[k] = Neighbours.of(model, key, discrete, nearer)
-    for k, kept in zip(again, _histories(list(again.values()), settings, start, run), strict=True):
-        every[k], histories[k] = again[k], kept
+    tried = [_Tried.of(model, key, discrete, close, start) for key in keys]
+    histories = _histories([one.neighbours for one in tried], settings, start, run)
+    again: dict[int, _Tried] = {}
+    for k, (one, kept) in enumerate(zip(tried, histories, strict=True)):
+        better = one.better(model, discrete, _moved(kept, discrete.problem.length))
+        if better is not None:
+            again[k] = better
+    farther = [one.neighbours for one in again.values()]
+    for k, kept in zip(again, _histories(farther, settings, start, run), strict=True):
+        tried[k], histories[k] = again[k], kept
+    every = [one.neighbours for one in tried]
     return {
         neighbours.number.key: derivative(neighbours, run, kept, Run)
         for neighbours, kept in zip(every, histories, strict=True)
@@ -96,6 +93,42 @@ def motion_derivatives(
 def change_of(steps: int) -> float:
     """Return by which part of it a number changes in a motion of so many steps."""
     return CLOSE * min(1.0, FEW_STEPS / max(steps, 1))
+
+
+class _Tried(NamedTuple):
+    """Neighbours by one number, and the part of it that they differ by; None of those that suit any number."""
+
+    neighbours: Neighbours
+    part: float | None
+
+    @classmethod
+    def of(
+        cls,
+        model: ModelDescription,
+        key: str,
+        discrete: DiscreteModel,
+        close: float | None,
+        start: MotionStart,
+    ) -> _Tried:
+        """Return those to begin with: as far as what they change of the equilibrium at the start asks for."""
+        if close is None:
+            return cls(Neighbours.of(model, key, discrete), None)
+        part = close * (WEAKER if any(word in key for word in WEAK) else 1.0)
+        found = cls(Neighbours.of(model, key, discrete, part), part)
+        moved = start.moved(found.neighbours)
+        return found if moved < UNMOVED else found.better(model, discrete, moved) or found
+
+    def better(self, model: ModelDescription, discrete: DiscreteModel, moved: float) -> _Tried | None:
+        """Return others, if these are ``moved`` too little or too far, over the size of the model."""
+        if self.part is None or LEAST <= moved <= MOST:
+            return None
+        key, other = self.neighbours.number.key, self.part * WANTED / max(moved, 1e-30)
+        nearer = min(other, LARGEST)
+        if moved * LARGEST < HIDDEN * self.part:
+            return _Tried(Neighbours.of(model, key, discrete, many=min(other, FARTHEST)), None)
+        if abs(nearer - self.part) > ALIKE * self.part:
+            return _Tried(Neighbours.of(model, key, discrete, nearer), nearer)
+        return None
 
 
 def _histories(
@@ -188,6 +221,15 @@ class MotionStart:
             for one, state in zip(neighbours.each, found, strict=True):
                 self._require_closed(neighbours.number.key, one, state, own)
         return found
+
+    def moved(self, neighbours: Neighbours) -> float:
+        """Return how far neighbours rest apart at the start, over the size of the model; 0 where nothing is known."""
+        if self.change is None:
+            return 0.0
+        first, *others = neighbours.each
+        apart = max(abs(one.change - first.change) for one in others)
+        increment = self.change.increment(neighbours)[: self.discrete.problem.size, :3]
+        return apart * float(np.abs(increment).max()) / self.discrete.problem.length
 
     @staticmethod
     def _open(one: Neighbour | DiscreteModel, state: State) -> Floats:

@@ -21,6 +21,7 @@ from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, section_record
 from viscorod.errors import Fault, InputError
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.support_state import SupportState
@@ -36,6 +37,8 @@ STEP = 1e-3
 """Change of a number, as a part of it."""
 CLOSE = 5e-5
 """The same where few neighbours are to do."""
+TURN = 2e-3
+"""Most rotation [rad] of nodes: what strains have of fourth order in it, section forces show."""
 ROUNDING = 1e-9
 """Part of the length of a rod by which places that are one may differ."""
 
@@ -148,25 +151,30 @@ class Neighbours(NamedTuple):
         """
         number = CaseNumber.of(model, key)
         size = number.size or natural_size(number.unit, discrete.problem)
-        refused: InputError | None = None
+        refused: list[str] = []
         central, above, below = MANY if few is None else FEW
         for scheme, part in ((central, 1.0), (central, 0.01), (above, 1.0), (below, 1.0)):
             step = part * (few or many) * size
             try:
                 found = [_made(discrete, number, step * place) for place in scheme.places]
+                turn = max(_turned(discrete.problem, problem) for _, problem in found)
+                if turn > TURN:
+                    step *= TURN / turn
+                    found = [_made(discrete, number, step * place) for place in scheme.places]
             except InputError as error:
-                refused = refused or error
+                refused += [text for text in [str(error)] if text not in refused]
                 continue
             each = [
                 Neighbour(step * place, weight / step, *made, discrete)
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
             return cls(number, tuple(each), tuple(weight / step for weight in scheme.rough))
+        told = refused[:1] if len(refused) < 2 else [refused[0], refused[-1]]
         raise InputError(
             Fault(
                 "derivatives",
                 repr(key),
-                f"the model cannot be made with a slightly larger or smaller number: {refused}",
+                f"the model cannot be made with a slightly larger or smaller number: {'; and '.join(told)}",
                 "name a number that may vary a little while mesh and connections stay",
             )
         )
@@ -175,6 +183,14 @@ class Neighbours(NamedTuple):
         """Return the derivative of the arrays that a function returns."""
         total: np.ndarray = sum((one.weight * function(one) for one in self.each), np.zeros(()))
         return total
+
+
+def _turned(problem: Problem, other: Problem) -> float:
+    """Return by how much [rad] the node that turns most is turned in the reference shape of another problem."""
+    if other.quaternions is problem.quaternions:
+        return 0.0
+    turn = product(conjugate(problem.quaternions), other.quaternions)
+    return float(2.0 * np.linalg.norm(turn[:, 1:], axis=1).max())
 
 
 def natural_size(unit: str, problem: Problem) -> float:
