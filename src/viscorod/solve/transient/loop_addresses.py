@@ -59,7 +59,7 @@ def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
     body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
     now, old, h = given.now, given.last, 1.0
     sides = now.r, now.q, body.split, body.held
-    last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
+    last = LastStep(h, h, old.r, old.q, old.twist, given.kept.X, given.stress)
     into = given.weights, stages.X, given.stages_stress
     return {
         "step": address_of(integrator.trying, kernel_results.ATTEMPTED, lambda: integrator.step_arguments(h)),
@@ -68,6 +68,7 @@ def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
             kernel_results.NOTHING,
             lambda: (tableau, model.gap, last, h, *sides, *into),
         ),
+        "place": address_of(integrator.placing, kernel_results.NOTHING, lambda: integrator.step_arguments(h)),
         "turn": address_of(integrator.turned, kernel_results.TURNED, lambda: (stages.X[0],)),
         "extent": address_of(
             KnownTypes(motion_extent),
@@ -133,11 +134,11 @@ def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: B
 def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:
     """Return where the kernels are that renew a Jacobian, 0 where Python does, see :class:`.Renewal`."""
     system, task = integrator.system, integrator.task
-    if not isinstance(system, GeometricSystem) or len(system.groups) != 1 or integrator.supports.moving:
+    if not isinstance(system, GeometricSystem) or integrator.supports.moving:
         return dict.fromkeys(("adjoint", "assemble", "collect", "add_loads", "add_inertia", "project"), 0)
     body, now, loads, out = integrator.body, given.now, task.loads, known.out
     matrices, mass, diagonal = task.matrices, body.mass, body.pattern.diagonal
-    elements = known.elements, known.group, known.fields
+    elements = known.elements, system.groups[0], known.fields
     acting = loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass
     inertia = mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint
     held = body.supports, known.target, given.kept.reaction, now.r, now.q, body.pattern

@@ -26,7 +26,7 @@ LEAST_STEP = 1e-6
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
 
-NOWHERE = loop_data.Addresses._make([*[0] * 18, np.zeros(4)])
+NOWHERE = loop_data.Addresses._make([*[0] * (len(loop_data.Addresses._fields) - 1), np.zeros(4)])
 """Addresses of kernels that are not known yet."""
 
 
@@ -72,6 +72,8 @@ def _state(integrator: Radau, points: int, supports: int) -> loop_data.LoopState
         np.empty((2, supports, 6)),
         np.empty((s, s + 1)),
         _followed(integrator.tolerance, n),
+        np.empty_like(integrator.predictor.X),
+        np.empty_like(integrator.predictor.stresses.reshape(s + 1, -1)),
     )
 
 
@@ -100,6 +102,7 @@ def _limits(integrator: Radau, duration: float, output_interval: float | None) -
         integrator.newton_factor,
         integrator.newton_power,
         integrator.stale,
+        integrator.aged,
         integrator.iterations,
         integrator.largest_turn,
         float(integrator.estimate_order + 1),
@@ -132,8 +135,14 @@ def _renewal(integrator: Radau) -> loop_data.Renewal:
     matrices, work = lent.task.bundle.matrices, lent.task.bundle.work
     if not isinstance(system, GeometricSystem):
         raise TypeError(f"the compiled loop knows no tangent of a {type(system).__name__}")
-    elements = system.lend_tangent(lent.kept.stress, matrices.K, matrices.C)
-    return loop_data.Renewal(*elements, lent.ad, work.change, work.square, integrator.supports.target)
+    stress = integrator.stages.stress
+    elements, groups, fields, out = system.lend_tangent(
+        stress[(len(stress) - 1) // 2], matrices.K, matrices.C
+    )
+    at_start = fields._replace(stress=lent.kept.stress)
+    return loop_data.Renewal(
+        elements, groups, fields, at_start, out, lent.ad, work.change, work.square, integrator.supports.target
+    )
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
