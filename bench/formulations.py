@@ -27,6 +27,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.plan import plans
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.transient.integrators.collocation import Collocation
+from viscorod.solve.transient.integrators.loop_data import OF_START
 from viscorod.solve.transient.integrators.midpoint import Midpoint
 from viscorod.solve.transient.integrators.radau import Radau
 
@@ -100,13 +101,13 @@ def best_in_turn(functions: list[Callable[[], object]]) -> list[float]:
 def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
     """A step of 1 ms that iterates ``limit`` times at most with a frozen Jacobian; it returns how often."""
     h = 1e-3
-    integrator.renew_jacobian()
+    integrator.renew_jacobian(h)
     integrator._factorise(h)
     integrator.newton_tolerance = 0.0  # goes on as long as it may and gets nearer
 
     def step() -> int:
         integrator.iterations = limit
-        integrator._have_jacobian = integrator._fresh_jacobian = True
+        integrator._have_jacobian, integrator._fresh_jacobian = True, OF_START
         integrator._factor_step = h
         return integrator.attempt(integrator.t + h, before=False).iterations
 
@@ -140,7 +141,7 @@ def newton_table() -> None:
             middle, radau = (moving(method, name, elements, order) for method in (Midpoint, Radau))
             steps = [step_of(integrator, limit) for integrator in (middle, radau) for limit in (1, 2)]
             counts.append([step() for step in steps])
-            functions += [*steps, middle.renew_jacobian, partial(middle._factorise, 1e-3)]
+            functions += [*steps, partial(middle.renew_jacobian, 1e-3), partial(middle._factorise, 1e-3)]
         copy, solve = best_in_turn(lapack_of(middle))
         seconds = np.array(best_in_turn(functions)).reshape(2, -1)
         for name, count, best in zip(NAMES, counts, seconds, strict=True):

@@ -11,9 +11,6 @@ import xarray as xr
 import viscorod as vr
 from viscorod.analyses.derivatives import motions
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
-from viscorod.analyses.derivatives.changed_arrays import differing_fields
-from viscorod.analyses.derivatives.neighbours import Neighbours
-from viscorod.analyses.derivatives.other_rods import with_other_rods
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.provenance import material_record
 from viscorod.analyses.start_state import StartState
@@ -24,7 +21,6 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
-from viscorod.solve.problem.division import divisions_of
 from viscorod.solve.sensitivity import motion_sensitivity
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 from viscorod.solve.sensitivity.motion_sensitivity import KeptSteps
@@ -531,35 +527,6 @@ def test_numbers_of_shared_and_named_parts():
     assert CaseNumber.of(model, "rods.beam.twist").value == 0.0
     case = vr.load_case("examples/rubber_strip.toml").model(vr.Model)
     assert list(case.materials)
-
-
-def test_rods_with_other_materials_or_sections_are_discretised_as_anew():
-    """Independent: the whole model discretised again, on the same mesh; one rod is attached to the other."""
-    model = bar(elements=2)
-    model.add(
-        "arm",
-        vr.Rod.straight(
-            (0.3, 0, 0),
-            (0.3, 0.2, 0),
-            section=vr.Circle(0.008),
-            material=model.materials["rubber"],
-            elements=1,
-            order=2,
-        ),
-    )
-    model.attach("beam.end", "arm.start")
-    model.clamp("beam.start")
-    model.gravity((0, 0, -9.81))
-    model.rest_strain("beam", (0, 0, 0, 0.1, 0, 0))
-    discrete = DiscreteModel.of(model)
-    for key in (E, "materials.rubber.density", "rods.arm.section.radius", "rods.beam.section.width"):
-        for near in Neighbours.of(model, key, discrete).each:
-            assert with_other_rods(discrete.model, discrete.problem, near.model) is not None
-            anew = discretise(near.model, divisions=divisions_of(discrete.problem))
-            assert not (differing_fields(anew, near.problem) - {"initial_twist"})
-    for key in ("rods.arm.end[1]", "rods.arm.twist", "loads[0].acceleration[2]"):
-        near = Neighbours.of(model, key, discrete).each[0]
-        assert with_other_rods(discrete.model, discrete.problem, near.model) is None
 
 
 def test_a_number_that_turns_nodes_far_is_taken_closer():

@@ -115,10 +115,22 @@ def free():
     return model
 
 
+def bent_out_of_two():
+    """Two rods of elements of other orders."""
+    model = clamped()
+    material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    section = vr.Rectangle(0.01, 0.01)
+    rod = vr.Rod.straight((0.3, 0, 0), (0.4, 0.1, 0), section=section, material=material, elements=2, order=2)
+    model.add("tip", rod)
+    model.attach("rod.end", "tip.start")
+    return model
+
+
 @pytest.mark.parametrize(
     ("make", "given"),
     [
         (clamped, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (bent_out_of_two, {"tolerance": 1e-4}),
         (clamped, {}),
         (pushed, {}),
         (thrust, {"tolerance": 1e-3}),
@@ -139,6 +151,18 @@ def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken, monk
     apart = {key for key, value in one_by_one.data.attrs.items() if at_once.data.attrs.get(key) != value}
     assert {key for key in apart if "time" not in key} == set()
     assert json.loads(at_once.data.attrs["warnings"]) == json.loads(one_by_one.data.attrs["warnings"])
+
+
+def test_elements_of_several_orders_are_linearised_in_the_loop(taken, monkeypatch):
+    """Python makes the Jacobians of the steps that it takes, one after each start, and no others."""
+    renewed, renew = [], Radau.renew_jacobian
+    monkeypatch.setattr(
+        Radau, "renew_jacobian", lambda self, h, **given: renewed.append(h) or renew(self, h, **given)
+    )
+    run = bent_out_of_two().simulate(0.6, initial="reference", tolerance=1e-4)
+    alone = run.data.attrs["steps"] - sum(taken)
+    assert len(renewed) <= alone + 2  # and of both halves of a step that is tried again
+    assert run.data.attrs["jacobians"] > alone + 2
 
 
 def test_attempts_that_do_not_converge_stay_in_the_loop(taken):
@@ -210,11 +234,11 @@ def test_what_goes_wrong_in_python_ends_the_run(taken):
     run, state = transient(driven(), 0.6)
     renew, renewed = run.integrator.renew_jacobian, []
 
-    def fails():
+    def fails(h, *, again):
         renewed.append(run.integrator.t)
         if len(renewed) > 4:
             raise InputError("no more of these")
-        renew()
+        renew(h, again=again)
 
     run.integrator.renew_jacobian = fails
     result = run.run(state, 0.6, output_interval=0.01)

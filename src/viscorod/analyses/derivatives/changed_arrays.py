@@ -16,7 +16,7 @@ from viscorod.solve.problem.element_arrays import all_branches
 from viscorod.solve.problem.problem import ElementSet, Problem
 from viscorod.solve.sensitivity.array_changes import ArrayChanges
 
-__all__ = ["Kind", "array_changes", "differing_fields", "kind_of"]
+__all__ = ["Kind", "array_changes", "kind_of"]
 
 ARRAYS = {
     "relaxation_times",
@@ -48,7 +48,7 @@ def kind_of(problem: Problem, neighbours: Neighbours) -> Kind:
     """Return what a number changes."""
     differing: set[str] = set()
     for one in neighbours.each:
-        differing |= differing_fields(problem, one.problem)
+        differing |= _differing(problem, one.problem)
     differing -= START
     if differing <= ARRAYS:
         return Kind.ARRAYS
@@ -73,7 +73,7 @@ def array_changes(neighbours: Neighbours) -> ArrayChanges:
     return none._replace(**{name: neighbours.derivative(partial(array, name)) for name in KNOWN})
 
 
-def differing_fields(problem: Problem, other: Problem) -> set[str]:
+def _differing(problem: Problem, other: Problem) -> set[str]:
     """Return the fields in which two problems differ, those of element sets as ``sets.field``."""
     found = set()
     for field in dataclasses.fields(Problem):

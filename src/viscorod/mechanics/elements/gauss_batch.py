@@ -67,6 +67,28 @@ class PointFields(NamedTuple):
     strain_operator: Floats
 
 
+@lane_kernel
+def group_of(groups: Integers, g: int) -> ElementGroup:
+    """Return one of the groups."""
+    kinds = groups[g, 3] != 0, groups[g, 4] != 0, groups[g, 5] != 0
+    return ElementGroup(groups[g, 0], groups[g, 1], groups[g, 2], kinds[0], kinds[1], kinds[2])
+
+
+@lane_kernel
+def points_of(groups: Integers, g: int, points: PointFields) -> PointFields:
+    """Return the Gauss points with the operators of one group."""
+    first, last = groups[g, 6], groups[g, 7]
+    return PointFields(
+        points.stress,
+        points.prestress,
+        points.strain,
+        points.strain_rate,
+        points.section_force,
+        points.operator[first:last],
+        points.strain_operator[first:last],
+    )
+
+
 class Batch(NamedTuple):
     """Up to LANES Gauss points with all that an assembly works on: rows of ``lanes``, one lane a point.
 

@@ -13,7 +13,7 @@ from viscorod.solve.reduced.reduced_model import ReducedModel
 from viscorod.solve.reduced.root_poses import stage_poses, unit
 from viscorod.solve.reduced.sizes import distance, largest
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.contract import Inside, Integrator, StepReport
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
@@ -283,8 +283,9 @@ class ReducedMotion:
     def resume(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: all is saved."""
 
-    def begin_half(self) -> None:
+    def begin_half(self, whole: Integrator, place: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        del whole, place
 
     @property
     def seen_by_halving(self) -> float:

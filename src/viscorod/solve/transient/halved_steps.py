@@ -205,8 +205,8 @@ class HalvedSteps:
         twin.resume()
         middle = integrator.between(np.array([0.5])).states.at(0)
         halves = []
-        for at, limit in ((end - 0.5 * h, False), (end, left)):
-            twin.begin_half()
+        for place, at, limit in ((0.0, end - 0.5 * h, False), (0.5, end, left)):
+            twin.begin_half(integrator, place)
             if not twin.attempt(at, before=limit).converged:
                 return
             twin.accept()

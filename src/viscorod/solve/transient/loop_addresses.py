@@ -25,7 +25,7 @@ from viscorod.solve.transient.integrators.record_kernels import Between, ResultF
 
 __all__ = ["NOWHERE", "find_addresses"]
 
-NOWHERE = Addresses._make([0] * 18)
+NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
 
 _known: dict[tuple[int, bool], Addresses] = {}
@@ -62,7 +62,7 @@ def find_addresses(
 def _renews(integrator: Radau) -> bool:
     """Return whether compiled code renews Jacobians, see :class:`.Renewal`."""
     system = integrator.system
-    return isinstance(system, GeometricSystem) and len(system.groups) == 1 and not integrator.supports.moving
+    return isinstance(system, GeometricSystem) and not integrator.supports.moving
 
 
 def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[str, int]:
@@ -70,7 +70,7 @@ def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
     body, tableau, stages = integrator.body, integrator.tableau, integrator.stages
     now, old, h = given.now, given.last, 1.0
     sides = now.r, now.q, body.split, body.held
-    last = LastStep(h, old.r, old.q, old.twist, given.kept.X, given.stress)
+    last = LastStep(h, h, old.r, old.q, old.twist, given.kept.X, given.stress)
     into = given.weights, stages.X, given.stages_stress
     return {
         "step": address_of(integrator.trying, kernel_results.ATTEMPTED, lambda: integrator.step_arguments(h)),
@@ -79,6 +79,7 @@ def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
             kernel_results.NOTHING,
             lambda: (tableau, model.gap, last, h, *sides, *into),
         ),
+        "place": address_of(integrator.placing, kernel_results.NOTHING, lambda: integrator.step_arguments(h)),
         "turn": address_of(integrator.turned, kernel_results.TURNED, lambda: (stages.X[0],)),
         "extent": address_of(
             KnownTypes(motion_extent),
@@ -147,7 +148,7 @@ def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[s
     assert isinstance(system, GeometricSystem)
     body, now, loads, out = integrator.body, given.now, task.loads, known.out
     matrices, mass, diagonal = task.matrices, body.mass, body.pattern.diagonal
-    elements = known.elements, known.group, known.fields
+    elements = known.elements, system.groups[0], known.fields
     acting = loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass
     inertia = mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint
     held = body.supports, known.target, given.kept.reaction, now.r, now.q, body.pattern

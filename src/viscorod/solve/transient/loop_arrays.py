@@ -84,6 +84,8 @@ def _state(integrator: Radau, lent: Lent, points: int, supports: int) -> loop_da
         np.empty((2, supports, 6)),
         np.empty((s, s + 1)),
         _followed(integrator.tolerance, n),
+        np.empty_like(integrator.predictor.X),
+        np.empty_like(integrator.predictor.stresses.reshape(s + 1, -1)),
     )
 
 
@@ -112,6 +114,7 @@ def _limits(integrator: Radau, duration: float, output_interval: float | None) -
         integrator.newton_factor,
         integrator.newton_power,
         integrator.stale,
+        integrator.aged,
         integrator.iterations,
         integrator.largest_turn,
         float(integrator.estimate_order + 1),
@@ -144,8 +147,14 @@ def _renewal(integrator: Radau, lent: Lent) -> loop_data.Renewal:
     matrices, work = lent.task.bundle.matrices, lent.task.bundle.work
     if not isinstance(system, GeometricSystem):
         raise TypeError(f"the compiled loop knows no tangent of a {type(system).__name__}")
-    elements = system.lend_tangent(lent.kept.stress, matrices.K, matrices.C)
-    return loop_data.Renewal(*elements, lent.ad, work.change, work.square, integrator.supports.target)
+    stress = integrator.stages.stress
+    elements, groups, fields, out = system.lend_tangent(
+        stress[(len(stress) - 1) // 2], matrices.K, matrices.C
+    )
+    at_start = fields._replace(stress=lent.kept.stress)
+    return loop_data.Renewal(
+        elements, groups, fields, at_start, out, lent.ad, work.change, work.square, integrator.supports.target
+    )
 
 
 def _loads(integrator: Radau, courses: LoadCourses | None) -> loop_data.LoopLoads:

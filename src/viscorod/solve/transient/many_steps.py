@@ -298,7 +298,7 @@ class ManySteps:
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
         )
         t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
-        have, fresh = (bool(numbers[k]) for k in (loop_data.HAVE, loop_data.FRESH))
+        have, fresh = bool(numbers[loop_data.HAVE]), int(numbers[loop_data.FRESH])
         counts = numbers[loop_data.EVALUATED : loop_data.PASSED].tolist()
         moved = t > self._began
         course = Course(t, factor_step, rate, have, fresh, *counts)
@@ -335,7 +335,7 @@ class ManySteps:
 
     def _call_renew(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
-        self.integrator.renew_jacobian()
+        self.integrator.renew_jacobian(float(message[1]) - self.integrator.t, at_start=bool(message[2]))
         self.integrator.jacobians -= int(message[3])  # those of halves do not count
 
     def _call_prepare(self, message: Floats) -> None:

@@ -12,7 +12,7 @@ from typing import Any, NamedTuple
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.transient.integrators.collocation import Collocation
-from viscorod.solve.transient.integrators.contract import StepReport
+from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
 
 __all__ = ["RecordedSteps", "Step"]
@@ -66,10 +66,9 @@ class RecordedSteps:
         if (len(self.times) - 1) % self.every == 0:
             self._keep()
 
-    def begin_half(self) -> None:
-        """Prepare for a half step; see ``Integrator``."""
-        self._calls.append(("begin_half",))
-        self.integrator.begin_half()
+    def begin_half(self, whole: Integrator, place: float) -> None:
+        """Prepare for a half of a step, which is none of the run; see ``Integrator``."""
+        self.integrator.begin_half(whole, place)
 
     @property
     def restarts(self) -> list[float]:
@@ -98,8 +97,6 @@ class RecordedSteps:
             elif name == "attempt":
                 end, before = arguments
                 integrator.attempt(end, before=before)
-            elif name == "begin_half":
-                integrator.begin_half()
             else:
                 yield Step(number, end, before)
                 integrator.accept()

@@ -9,6 +9,8 @@ stiffness times strains, are linearised about old poses. The Jacobian and the fa
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from viscorod.mechanics.nodes import inertia
@@ -22,8 +24,9 @@ from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict
 from viscorod.solve.transient.integrators.company import Company
-from viscorod.solve.transient.integrators.contract import OUTCOME, Inside, StepReport
+from viscorod.solve.transient.integrators.contract import OUTCOME, Inside, Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
+from viscorod.solve.transient.integrators.loop_data import OF_START, OLD
 from viscorod.solve.transient.integrators.record_kernels import StepEnd
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.stage_model import StageModel
@@ -46,6 +49,9 @@ class Collocation(StageModel):
 
     stale = 0.1
     """Convergence rate from which on the Jacobian is renewed."""
+
+    aged = 0.03
+    """The same where a step of another length asks for new factors in any case."""
 
     company: Company | None = None
     """Others that take the same steps."""
@@ -77,7 +83,7 @@ class Collocation(StageModel):
         self._evaluate_state(t, state, before=False)
         self.predictor.reset()
         self._rate = 1.0
-        self._have_jacobian = False
+        self._have_jacobian, self._fresh_jacobian = False, OLD
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -91,19 +97,22 @@ class Collocation(StageModel):
         links = self.stage_constraints
         if self.company is not None and (together := self.company.begin(self)) is not None:
             self._have_jacobian = together
+        elif self._rate > self.aged and not self.factors_of(h):
+            self._have_jacobian = False
         if links is not None and links.turn_axes(self.t, self.state):
             self._have_jacobian = False
         self.prepare_step(end, before)
+        self.predictor.predict(self.state, self._stress, h)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
-            self.renew_jacobian()
+            known = self.predictor.last is not None
+            self.renew_jacobian(h, at_start=not known or self._fresh_jacobian != OLD)
         # equal steps differ by the rounding of their ends
         if not self.factors_of(h) and not self._factorise(h):
             return StepReport(Outcome.SINGULAR, 0, 0.0, 0.0, 0)
         self.systems.provide()
-        self.predictor.predict(self.state, self._stress, h)
-        if self.stage_constraints is not None:
-            self.stage_constraints.predict(h)
+        if links is not None:
+            links.predict(h)
         if self.dashpots is not None:
             self.dashpots.prepare(h)
         if self.company is not None:
@@ -112,16 +121,16 @@ class Collocation(StageModel):
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
-            self._rate = rate
+            self._rate, self._fresh_jacobian = rate, OLD
             error, worst = self._judge(error, worst)
             node, component = divmod(worst, 6)
             return StepReport(Outcome.CONVERGED, count, size, 0.0, node, error, rate, component)
         node, component = divmod(unknown, 6)
         self._rate = 1.0
-        if not self._fresh_jacobian or (self.company is not None and self.company.helped(self)):
+        if self._fresh_jacobian != OF_START or (self.company is not None and self.company.helped(self)):
             self._have_jacobian = False
             return self.attempt(end, before=before).after(count)
-        if self.stage_constraints is not None:
+        if links is not None:
             self.system.constraints.laws.callback.check()
         self.actions.loads.laws.callback.check()
         imbalance = float(np.abs(self.stages.residual[:, : len(self.body.mass)]).max())
@@ -170,7 +179,6 @@ class Collocation(StageModel):
             self.dashpots.end_step(self.stages.strain)
         self._end_step(end, kinetic)
         self.t, self._step = self._end, h
-        self._fresh_jacobian = False
         if self._rate > self.stale:
             self._have_jacobian = False
 
@@ -238,8 +246,12 @@ class Collocation(StageModel):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return seen_by_halving(self.tableau)
 
-    def begin_half(self) -> None:
-        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: nothing is left behind."""
+    def begin_half(self, whole: Integrator, place: float) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: ``whole`` predicts its halves."""
+        given: Any = whole
+        self.predictor.follow(given.predictor, place)
+        if self.stage_constraints is not None:
+            self.stage_constraints.follow(given.stage_constraints, place)
 
     # --- what methods differ in
 

@@ -28,7 +28,7 @@ from viscorod.solve.transient.integrators.step_account import estimate, take_acc
 from viscorod.solve.transient.integrators.step_task import FINAL, ITERATIONS, RATE, TOLERANCE, StepTask
 from viscorod.typing import Floats
 
-__all__ = ["largest_turn", "try_step"]
+__all__ = ["largest_turn", "place_predicted", "try_step"]
 
 
 @kernel
@@ -40,6 +40,12 @@ def largest_turn(X: Floats) -> tuple[float, int]:
         if square > largest:
             largest, node = square, k
     return math.sqrt(largest), node
+
+
+@kernel
+def place_predicted(step: StepTask) -> None:
+    """Put all nodes where the stages are predicted, before the first iteration."""
+    place(step)
 
 
 @kernel

@@ -90,7 +90,7 @@ class Integrator(Protocol):
     ``estimate_order`` is the order of the error estimate, if there is one: the estimate grows as the power
     ``estimate_order + 1`` of the step. ``records`` is the number of states per step that draw the motion smoothly.
 
-    ``begin_half()`` precedes both halves of a step that is computed again to see its error, of which their difference
+    ``begin_half`` precedes both halves of a step that is computed again to see its error, of which their difference
     is the part ``seen_by_halving``.
     """
 
@@ -161,5 +161,9 @@ class Integrator(Protocol):
     def stability(self, z: np.ndarray) -> np.ndarray:
         """Return the stability function ``R(z) (k,)``: what a step makes of vibrations with eigenvalues ``z / h``."""
 
-    def begin_half(self) -> None:
-        """Leave behind what is carried over from steps of another length, and iterate further than in a run."""
+    def begin_half(self, whole: Integrator, place: float) -> None:
+        """Leave behind what is carried over from steps of another length, and iterate further than in a run.
+
+        Args:
+            whole: has taken the step that the next one is a half of; place: in it where this half begins, 0 or 0.5.
+        """

@@ -22,7 +22,7 @@ from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.problem.imposed_strains import Imposed
-from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.contract import Inside, Integrator, StepReport
 from viscorod.solve.transient.integrators.momentum_model import MomentumModel, Relation, Solution
 from viscorod.solve.transient.integrators.step_recorder import interpolate_states
 from viscorod.solve.transient.time_step import first_time_step
@@ -239,6 +239,7 @@ class GeneralizedAlpha(MomentumModel):
         nearest = np.abs(roots - np.exp(z)[:, None]).argmin(axis=1)
         return np.asarray(roots[np.arange(len(z)), nearest])
 
-    def begin_half(self) -> None:
+    def begin_half(self, whole: Integrator, place: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
+        del whole, place
         self._fresh = True

@@ -38,7 +38,7 @@ class Course(NamedTuple):
     factor_step: float
     rate: float
     have_jacobian: bool
-    fresh_jacobian: bool
+    fresh_jacobian: int
     evaluations: int
     factorisations: int
     jacobians: int

@@ -11,7 +11,7 @@ from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot, Snapshots
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.integrators.contract import Inside, StepReport
+from viscorod.solve.transient.integrators.contract import Inside, Integrator, StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
 from viscorod.solve.transient.integrators.stability import seen_by_halving, stability
 from viscorod.solve.transient.integrators.tableau import MIDPOINT, Tableau, radau
@@ -272,8 +272,9 @@ class LinearMotion:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return stability(self.tableau, z)
 
-    def begin_half(self) -> None:
+    def begin_half(self, whole: Integrator, place: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        del whole, place
 
     # --- parts
 

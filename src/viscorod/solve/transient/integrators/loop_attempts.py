@@ -5,6 +5,7 @@ from __future__ import annotations
 from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import exact_part
+from viscorod.mechanics.elements.gauss_batch import group_of, points_of
 from viscorod.mechanics.nodes.load_courses import sum_loads
 from viscorod.solve.transient.amplitude import (
     LENGTH,
@@ -26,11 +27,13 @@ from viscorod.solve.transient.integrators.kernel_results import (
 )
 from viscorod.solve.transient.integrators.loop_data import (
     AGAIN,
+    AGED,
     ALLOWED,
     ASK,
     ELASTIC,
     EVALUATED,
     EXPONENT,
+    EXTRA_ROWS,
     FACTOR,
     FACTOR_STEP,
     FACTORISED,
@@ -44,16 +47,24 @@ from viscorod.solve.transient.integrators.loop_data import (
     LAST_STEP,
     LOSS,
     LOST,
+    MARKS,
     NEWTON,
+    OF_MIDDLE,
+    OF_START,
+    OLD,
     POWER,
     RAISED,
     RATE,
     RENEWED,
     SAFETY,
+    SECOND_HALF,
     STALE,
+    START,
     STRAIN,
     TAKEN,
     TOLERANCE,
+    TRIAL_ROWS,
+    TRIED,
     TURN,
     WHOLE,
     WORK,
@@ -61,15 +72,17 @@ from viscorod.solve.transient.integrators.loop_data import (
     T,
 )
 from viscorod.solve.transient.integrators.predictor import LastStep
+from viscorod.solve.transient.integrators.record_kernels import Between
 from viscorod.solve.transient.integrators.step_task import ITERATIONS, H
 from viscorod.solve.transient.integrators.step_task import RATE as TRUSTED
 from viscorod.solve.transient.integrators.step_task import TOLERANCE as TOLERATED
 from viscorod.solve.transient.step_choice import CORNER
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
-__all__ = ["attempt", "copy", "follow", "take_end"]
+__all__ = ["attempt", "copy", "follow", "row_of_trial", "take_end"]
 
-_do, _factorise, _turn = returning(NOTHING), returning(NUMBER), returning(TURNED)
+_do, _place = returning(NOTHING), returning(NOTHING, whole=False)
+_factorise, _turn = returning(NUMBER), returning(TURNED)
 _attempt, _end, _extent = returning(ATTEMPTED, whole=False), returning(ENDED), returning(EXTENT)
 
 
@@ -134,26 +147,38 @@ def follow(run: StepLoop, t: float) -> None:
 
 @exact_part
 def renew(run: StepLoop) -> None:
-    """Linearise at the start of a step, as ``stage_model.StageModel.renew_jacobian`` does."""
+    """Linearise about the middle of a step that is predicted, as ``stage_model.StageModel.renew_jacobian`` does.
+
+    It is the start where the numbers say so.
+    """
     task, now, calls, known = run.model.task, run.state.now, run.calls, run.renewal
+    stages, at_middle = task.stages, run.numbers[FRESH] == OF_MIDDLE
+    r, q, twist = now.r, now.q, now.twist
+    if at_middle:
+        _place(calls.place, (task,))
+        middle = (stages.X.shape[0] - 1) // 2
+        r, q, twist = stages.r[middle], stages.q[middle], stages.twist[middle]
     body, loads, matrices, out = task.body, run.loads.start, task.matrices, known.out
     mass, diagonal = body.mass, body.pattern.diagonal
-    _do(calls.adjoint, (now.twist, known.ad))
+    _do(calls.adjoint, (twist, known.ad))
     clear_blocks(out.blocks)
     clear_blocks(out.rate_blocks)
     clear(out.force)
     clear(known.external)
-    elements = (known.elements, known.group, known.fields)
-    _do(calls.assemble, (*elements, now.r, now.q, now.twist, True, known.ad, True, out))
-    _do(calls.collect, (*elements, matrices.operators))
+    for g in range(known.groups.shape[0]):
+        group, points = group_of(known.groups, g), points_of(known.groups, g, known.fields)
+        if not at_middle:
+            points = points_of(known.groups, g, known.at_start)
+        _do(calls.assemble, (known.elements, group, points, r, q, twist, True, known.ad, True, out))
+        _do(calls.collect, (known.elements, group, points, matrices.operators))
     sum_loads(run.loads.courses, run.clock[T], False, 0, loads)
     if loads.acting[0] != 0.0:
         acting = (loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass)
-        _do(calls.add_loads, (body.loaded, now.q, *acting, True, known.external, out.blocks, diagonal))
+        _do(calls.add_loads, (body.loaded, q, *acting, True, known.external, out.blocks, diagonal))
     copy_blocks(mass, matrices.mass)
-    inertia = (mass, now.twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint)
+    inertia = (mass, twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint)
     _do(calls.add_inertia, (*inertia, known.square))
-    held = (body.supports, known.target, run.state.kept.reaction, now.r, now.q, body.pattern)
+    held = (body.supports, known.target, run.state.kept.reaction, r, q, body.pattern)
     into = (out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0])
     _do(calls.project, (*held, *into))
 
@@ -181,19 +206,25 @@ def provide(run: StepLoop, end: float) -> int:
             return RAISED
     else:
         give_loads(run, t, end)
+    h = end - t
+    other = abs(h - clock[FACTOR_STEP]) > 1e-9 * h
+    if other and clock[RATE] > run.limits[AGED]:
+        numbers[HAVE] = 0
     if numbers[HAVE] == 0:
+        run.model.task.numbers[H] = h
+        again = numbers[FRESH] != OLD
+        numbers[FRESH] = OF_START if again or not clock[LAST_STEP] > 0.0 else OF_MIDDLE
         if calls.assemble != 0 and calls.prepare == 0:
             renew(run)
             numbers[RENEWED] += 1 if whole else 0
         else:
-            message[0], message[3] = t, 0.0 if whole else 1.0
+            message[0], message[1], message[3] = t, end, 0.0 if whole else 1.0
+            message[2] = 1.0 if numbers[FRESH] == OF_START else 0.0
             call(calls.renew, message.ctypes, 4)
             if message[0] != t:
                 return RAISED
-        numbers[HAVE] = numbers[FRESH] = 1
-        clock[FACTOR_STEP], numbers[LOST] = 0.0, 0
-    h = end - t
-    other = abs(h - clock[FACTOR_STEP]) > 1e-9 * h
+        numbers[HAVE] = 1
+        clock[FACTOR_STEP], numbers[LOST], other = 0.0, 0, True
     if other or numbers[LOST] != 0:
         numbers[LOST] = 0
         if other:
@@ -207,15 +238,35 @@ def provide(run: StepLoop, end: float) -> int:
 
 
 @exact_part
+def row_of_trial(numbers: Integers, found: Between) -> int:
+    """Return the first row of the step that is tried again."""
+    return int(found.r.shape[0] - EXTRA_ROWS + MARKS + TRIAL_ROWS * numbers[TRIED])
+
+
+@exact_part
 def predict(run: StepLoop, h: float) -> None:
-    """Predict the stages of a step of ``h`` [s], see ``predictor.Predictor.predict``."""
+    """Predict the stages of a step of ``h`` [s], those of halves by the whole; see ``predictor.Predictor``."""
+    task, state, numbers, found = run.model.task, run.state, run.numbers, run.batch.states
+    now, old, body = state.now, state.last, task.body
+    onto = (h, now.r, now.q, body.split, body.held, state.weights, task.stages.X, state.stages_stress)
+    if numbers[TAKEN] != WHOLE:
+        place = 0.5 if numbers[TAKEN] == SECOND_HALF else 0.0
+        start, length = row_of_trial(numbers, found) + START, run.batch.trials[numbers[TRIED], 2]
+        begun = (found.r[start], found.q[start], found.twist[start])
+        whole = LastStep(length, place, *begun, state.whole_coordinates, state.whole_stress)
+        _do(run.calls.predict, (task.method, run.model.gap, whole, *onto))
+    elif run.clock[LAST_STEP] > 0.0:
+        last = LastStep(run.clock[LAST_STEP], 1.0, old.r, old.q, old.twist, state.kept.X, state.stress)
+        _do(run.calls.predict, (task.method, run.model.gap, last, *onto))
+    else:
+        predict_first(run, h)
+
+
+@exact_part
+def predict_first(run: StepLoop, h: float) -> None:
+    """Predict the stages of a step that none precedes: twists and stresses stay."""
     task, state = run.model.task, run.state
-    now, old, stages, kept, body = state.now, state.last, task.stages, state.kept, task.body
-    if run.clock[LAST_STEP] > 0.0:
-        last = LastStep(run.clock[LAST_STEP], old.r, old.q, old.twist, kept.X, state.stress)
-        given = (task.method, run.model.gap, last, h, now.r, now.q, body.split, body.held)
-        _do(run.calls.predict, (*given, state.weights, stages.X, state.stages_stress))
-        return
+    now, stages, kept, body = state.now, task.stages, state.kept, task.body
     for i in range(stages.X.shape[0]):
         for e in range(kept.stress.shape[0]):
             copy(kept.stress[e], stages.stress[i, e])
@@ -234,12 +285,12 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
         that was a new one, or why the loop ends; iterations; error over the tolerated one, and the unknown where it is
         largest.
     """
-    why = provide(run, end)
-    if why != GOES_ON:
-        return why, 0, 0.0, 0
     clock, numbers, limits, task = run.clock, run.numbers, run.limits, run.model.task
     h, stages, calls = end - clock[T], task.stages, run.calls
     predict(run, h)
+    why = provide(run, end)
+    if why != GOES_ON:
+        return why, 0, 0.0, 0
     given = task.numbers
     given[H], given[TOLERATED] = h, limits[NEWTON]
     given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
@@ -248,11 +299,11 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     numbers[EVALUATED] += counted * (count + 1 if good else count) * s
     if not good:
         clock[RATE] = 1.0
-        if numbers[FRESH] != 0:
+        if numbers[FRESH] == OF_START:
             return FAILED, count, 0.0, 0
         numbers[HAVE] = 0
         return AGAIN, count, 0.0, 0
-    clock[RATE] = rate
+    clock[RATE], numbers[FRESH] = rate, OLD
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
     error /= tolerance_of(run, end)
     too_far = (clock[TURN] / limits[FARTHEST]) ** limits[POWER]
@@ -317,6 +368,5 @@ def take_end(run: StepLoop, t: float) -> None:
         copy(end.points[field], state.points[1, field])
     copy(end.reactions[last], state.reactions[1])
     clock[LAST_STEP], clock[T] = h, t
-    numbers[FRESH] = 0
     if clock[RATE] > run.limits[STALE]:
         numbers[HAVE] = 0

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
+from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
@@ -37,16 +37,21 @@ its end; ``HAVE`` and ``FRESH`` of a state that is put back."""
     PASSED,
     NUMBERS,
 ) = range(16)
-"""Places among the numbers: whether there is a Jacobian, and one of the present step, and whether its factors are lost;
-most steps; then counts, among them the steps that are tried again, beside whether the present one is, and what of it is
-taken, and last the corners of the loads that were passed."""
+"""Places among the numbers: whether there is a Jacobian, and one of the present step (see below), and whether its
+factors are lost; most steps; then counts, among them the steps that are tried again, beside whether the present one is,
+and what of it is taken, and last the corners of the loads that were passed."""
+
+OLD, OF_MIDDLE, OF_START = range(3)
+"""What a Jacobian is of: an earlier step, or one that has converged; the middle of the present one, as it is predicted;
+its start, where that did not converge, or no step precedes."""
 
 TOLERANCE, NEWTON, FOLLOWS, SAFETY, FACTOR, EXPONENT = range(6)
-STALE, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST, LEAST, LARGEST, HALF, WAS, LIMITS = range(6, 18)
+STALE, AGED, ALLOWED, FARTHEST, POWER, OUTPUT, DURATION, SMALLEST = range(6, 14)
+LEAST, LARGEST, HALF, WAS, LIMITS = range(14, 19)
 """Places among the limits: of the error and of Newton's method; the least of the latter if they follow the motion, else
-0, and the factors and the power with which they do; convergence rate from which on a Jacobian is stale, iterations,
-rotation [rad], power of the step in the error; time between records (0: within every step), duration and smallest step
-[s], least records of a step, largest strain; limit of Newton's method in halves of steps."""
+0, and the factors and the power with which they do; convergence rates from which on a Jacobian is stale, and aged;
+iterations, rotation [rad], power of the step in the error; time between records (0: within every step), duration and
+smallest step [s], least records of a step, largest strain; limit of Newton's method in halves of steps."""
 
 NEXT, SETTLED, LONGER, FIRST, TRIALS = range(5)
 """Places among the trials: number of the next step that is tried again; from which number on one that is longer than
@@ -84,17 +89,19 @@ class LoopLoads(NamedTuple):
 
 
 class Renewal(NamedTuple):
-    """What a Jacobian is renewed with where supports stand still and all elements are of one group.
+    """What a Jacobian is renewed with where supports stand still.
 
     Attributes:
-        elements, group, fields: of the assembly; out: internal forces, which nobody reads, and the matrices.
+        elements, groups, fields: of the assembly, see ``gauss_batch``; out: internal forces, which nobody reads, and
+            the matrices; at_start: ``fields`` with the stresses at the start of the step.
         ad: of the twists ``(n, 6, 6)``; external, square: scratch ``(n, 6)``, ``(6, 6)``.
         target: prescribed values of the supports ``(m, 6)``.
     """
 
     elements: Elements
-    group: ElementGroup
+    groups: Integers
     fields: PointFields
+    at_start: PointFields
     out: Assembled
     ad: Floats
     external: Floats
@@ -129,6 +136,7 @@ class LoopState(NamedTuple):
         kept: see ``end_step``; stress, stages_stress: of ``kept.stresses``, and of the stages, in rows.
         end: scratch; fields: at the present time and at the start of the last step, two stages.
         weights: scratch of the predictor; follows: the tolerance.
+        whole_coordinates, whole_stress: as ``kept.X`` and ``stress``, of a step that is tried again in halves.
     """
 
     now: StepStart
@@ -141,6 +149,8 @@ class LoopState(NamedTuple):
     reactions: Floats
     weights: Floats
     follows: Follows
+    whole_coordinates: Floats
+    whole_stress: Floats
 
 
 MARKS, MOST_TRIALS = 8, 8
@@ -192,6 +202,7 @@ class Addresses(NamedTuple):
     combine_real: int
     combine_pair: int
     predict: int
+    place: int
     turn: int
     extent: int
     end: int

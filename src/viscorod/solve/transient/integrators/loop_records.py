@@ -8,6 +8,7 @@ from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.kernel_results import NOTHING
+from viscorod.solve.transient.integrators.loop_attempts import row_of_trial
 from viscorod.solve.transient.integrators.loop_data import (
     DURATION,
     EXTRA_ROWS,
@@ -23,7 +24,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     StepLoop,
     T,
 )
-from viscorod.solve.transient.integrators.loop_trials import keep, row_of_trial
+from viscorod.solve.transient.integrators.loop_trials import keep
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 from viscorod.typing import Floats
 

@@ -6,14 +6,13 @@ import math
 
 from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.compilation.references import row_of
-from viscorod.solve.transient.integrators.loop_attempts import attempt, copy, take_end
+from viscorod.solve.transient.integrators.loop_attempts import attempt, copy, row_of_trial, take_end
 from viscorod.solve.transient.integrators.loop_data import (
     AGAIN,
     BETTER_END,
     BETTER_MIDDLE,
     ELASTIC,
     END,
-    EXTRA_ROWS,
     FIRST_HALF,
     FRESH,
     GOES_ON,
@@ -23,7 +22,6 @@ from viscorod.solve.transient.integrators.loop_data import (
     KINETIC,
     LONGER,
     LOST,
-    MARKS,
     NEWTON,
     NEXT,
     RAISED,
@@ -32,7 +30,6 @@ from viscorod.solve.transient.integrators.loop_data import (
     START,
     STEPS,
     TAKEN,
-    TRIAL_ROWS,
     TRIED,
     TRYING,
     WAS,
@@ -41,12 +38,11 @@ from viscorod.solve.transient.integrators.loop_data import (
     Backup,
     StepLoop,
 )
-from viscorod.solve.transient.integrators.record_kernels import Between
 from viscorod.solve.transient.trial_choice import FARTHEST, PART
 from viscorod.solve.transient.trial_choice import LONGER as BY
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
-__all__ = ["begin_halves", "begin_trial", "is_tried", "keep", "next_trial", "row_of_trial", "take_half"]
+__all__ = ["begin_halves", "begin_trial", "is_tried", "keep", "next_trial", "take_half"]
 
 
 @exact_part
@@ -101,12 +97,6 @@ def next_trial(trials: Floats, number: float) -> None:
 
 
 @exact_part
-def row_of_trial(numbers: Integers, found: Between) -> int:
-    """Return the first row of the step that is tried again."""
-    return int(found.r.shape[0] - EXTRA_ROWS + MARKS + TRIAL_ROWS * numbers[TRIED])
-
-
-@exact_part
 def keep(run: StepLoop, at: int) -> None:
     """Keep the present state in the row ``at``."""
     state, clock, found = run.state, run.clock, run.batch.states
@@ -129,10 +119,20 @@ def begin_trial(run: StepLoop) -> None:
 
 
 @exact_part
+def keep_whole(run: StepLoop) -> None:
+    """Keep the stages of a step that has been taken: its halves are predicted by them."""
+    state = run.state
+    copy(state.stress, state.whole_stress)
+    for i in range(state.whole_coordinates.shape[0]):
+        copy(state.kept.X[i], state.whole_coordinates[i])
+
+
+@exact_part
 def begin_halves(run: StepLoop, end: float, h: float) -> None:
     """Keep where a step of ``h`` [s] came to at ``end`` [s], and go back to its start."""
     numbers, limits, batch = run.numbers, run.limits, run.batch
     keep(run, row_of_trial(numbers, batch.states) + END)
+    keep_whole(run)
     trial = batch.trials[numbers[TRIED]]
     trial[0], trial[1], trial[2], trial[3] = numbers[STEPS] - 1, end, h, 1.0
     leave(run, run.backup.after)

@@ -47,9 +47,9 @@ class Midpoint(Collocation):
         if self.stage_constraints is not None and self._age >= self.oldest:
             self._have_jacobian = False
 
-    def renew_jacobian(self) -> None:
+    def renew_jacobian(self, h: float, *, at_start: bool) -> None:
         """See :class:`~viscorod.solve.transient.integrators.collocation.Collocation`."""
-        super().renew_jacobian()
+        super().renew_jacobian(h, at_start=at_start)
         self._age = 0
 
     def prepare_step(self, end: float, before: bool) -> None:

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple
 from viscorod.mechanics.compilation.by_address import far
 from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import exact_part, kernel, lane_kernel
-from viscorod.mechanics.elements.gauss_batch import ElementGroup, PointFields
+from viscorod.mechanics.elements.gauss_batch import PointFields, group_of, points_of
 from viscorod.mechanics.elements.geometric_element import Assembled, assemble, update_stress
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
@@ -189,28 +189,6 @@ def add_elements(
         group, fields = group_of(groups, g), points_of(groups, g, points)
         where = (now.r, now.q, now.twist)
         _assemble(calls.assemble, (elements, group, fields, *where, True, now.maps, True, out))
-
-
-@lane_kernel
-def group_of(groups: Integers, g: int) -> ElementGroup:
-    """Return one of the groups."""
-    kinds = groups[g, 3] != 0, groups[g, 4] != 0, groups[g, 5] != 0
-    return ElementGroup(groups[g, 0], groups[g, 1], groups[g, 2], kinds[0], kinds[1], kinds[2])
-
-
-@lane_kernel
-def points_of(groups: Integers, g: int, points: PointFields) -> PointFields:
-    """Return the Gauss points with the operators of one group."""
-    first, last = groups[g, 6], groups[g, 7]
-    return PointFields(
-        points.stress,
-        points.prestress,
-        points.strain,
-        points.strain_rate,
-        points.section_force,
-        points.operator[first:last],
-        points.strain_operator[first:last],
-    )
 
 
 @lane_kernel

@@ -32,7 +32,7 @@ class Predictor:
             ``(s + 1, e, points, 6)``; written from outside (see ``record_kernels``).
     """
 
-    unsaved = frozenset({"gap", "_stages_stress", "_stress", "_weights"})
+    unsaved = frozenset({"gap", "_stages_stress", "_stress", "_weights", "_whole"})
 
     def __init__(self, body: Discretisation, stages: Stages, tableau: Tableau) -> None:
         self.body, self.stages, self.tableau = body, stages, tableau
@@ -49,6 +49,7 @@ class Predictor:
         self.extrapolation = KnownTypes(extrapolate_step)
         self._old: State | None = None  # at the start of the last step
         self._step = 0.0
+        self._whole: tuple[Predictor, float] | None = None
 
     def reset(self) -> None:
         """Forget the last step: it does not predict the next one."""
@@ -56,8 +57,17 @@ class Predictor:
 
     def keep(self, state: State, h: float) -> None:
         """Keep a step of ``h`` [s] from ``state``, of which ``X`` and ``stresses`` are."""
+        self._whole = None
         if self._several:
             self._old, self._step = state, h
+
+    def follow(self, whole: Predictor, place: float) -> None:
+        """Let the next step be predicted by one that has been taken, and that it is a part of.
+
+        Args:
+            whole: predictor of what took that step; place: in it where the next one starts (0 to 1).
+        """
+        self._whole = whole, place
 
     @property
     def last(self) -> tuple[State, float] | None:
@@ -69,7 +79,9 @@ class Predictor:
 
         They follow the last step's polynomials, or the present twists and stresses.
         """
-        tableau, stages, body, old = self.tableau, self.stages, self.body, self._old
+        tableau, stages, body = self.tableau, self.stages, self.body
+        known, place = (self, 1.0) if self._whole is None else self._whole
+        old = known._old
         if old is None:
             np.multiply.outer(tableau.nodes * h, state.twist, out=stages.X)
             stages.X[:, body.held != 0.0] = 0.0
@@ -78,7 +90,7 @@ class Predictor:
         self.extrapolation.call(
             tableau,
             self.gap,
-            LastStep(self._step, old.r, old.q, old.twist, self.X, self._stress),
+            LastStep(known._step, place, old.r, old.q, old.twist, known.X, known._stress),
             h,
             state.r,
             state.q,
@@ -94,11 +106,12 @@ class LastStep(NamedTuple):
     """The step that goes on.
 
     Attributes:
-        h: step [s]; r, q, twist: its start; X: its coordinates ``(s, n, 6)``.
-        stress: at its start and stages ``(s + 1, numbers)``.
+        h: step [s]; place: in it where the new one starts, 1 at its end.
+        r, q, twist: its start; X: its coordinates ``(s, n, 6)``; stress: at its start and stages ``(s + 1, numbers)``.
     """
 
     h: float
+    place: float
     r: Floats
     q: Floats
     twist: Floats
@@ -120,7 +133,7 @@ def extrapolate_step(
     new_X: Floats,
     new_stress: Floats,
 ) -> None:
-    """Continue coordinates and stresses of a step into the next one.
+    """Continue coordinates and stresses of a step into the next one, or into a part of itself.
 
     Args:
         gap: coefficients of the powers 1 to s + 1 of the place in the step, of a coordinate whose rate is one at the
@@ -132,7 +145,7 @@ def extrapolate_step(
     nodes, values, stress, ratio = method.nodes, method.values, last.stress, h / last.h
     s = nodes.shape[0]
     for i in range(s):
-        place = 1.0 + nodes[i] * ratio
+        place = last.place + nodes[i] * ratio
         rest = 1.0
         for j in range(s):
             power, weight = place, 0.0
@@ -149,7 +162,7 @@ def extrapolate_step(
                 total += weights[i, j] * stress[j + 1, m]
             new_stress[i, m] = total
     for i in range(s):
-        place = 1.0 + nodes[i] * ratio
+        place = last.place + nodes[i] * ratio
         power, correction = place, 0.0
         for k in range(s + 1):
             correction += gap[k] * power

@@ -9,6 +9,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.collocation_step import largest_turn
+from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.integrators.tableau import radau
 from viscorod.solve.transient.motion_scale import GivenTolerance, Tolerance
 
@@ -38,7 +39,7 @@ class Radau(Collocation):
     newton_factor, newton_power = 3e-3, 1.25
     """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
 
-    half_iteration = 0.03
+    half_iteration = 0.1
     """Tolerance of the iteration in steps that are computed again, over that of the run."""
 
     largest_turn = 2.0
@@ -71,8 +72,9 @@ class Radau(Collocation):
         self.tolerance.accept(self.t, self.state)
         self.newton_tolerance = self._newton_tolerance()
 
-    def begin_half(self) -> None:
+    def begin_half(self, whole: Integrator, place: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        super().begin_half(whole, place)
         self.newton_tolerance = self.half_tolerance(self.tolerance.value)
 
     def half_tolerance(self, tolerance: float) -> float:

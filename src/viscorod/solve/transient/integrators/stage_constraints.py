@@ -39,6 +39,7 @@ class StageConstraints:
         self._force = np.zeros(c)  # of all coordinates, at t
         self._earlier = np.zeros(c)  # at the start of the last step
         self._past: tuple[Floats, float] | None = None  # multipliers and forces of the last step, its length
+        self._whole: tuple[tuple[Floats, float], float] | None = None
         self._start = JointState(np.zeros(c), np.zeros(c), np.zeros(c))
 
     def turn_axes(self, t: float, state: State) -> bool:
@@ -74,17 +75,22 @@ class StageConstraints:
 
     def reset(self) -> None:
         """Forget the last step: it does not predict the next one."""
-        self._past = None
+        self._past = self._whole = None
+
+    def follow(self, whole: StageConstraints, place: float) -> None:
+        """Let the next step be predicted by ``whole``, see ``predictor.Predictor.follow``."""
+        self._whole = None if whole._past is None else (whole._past, place)
 
     def predict(self, h: float) -> None:
         """Write multipliers and spring forces of a step of ``h`` [s]: the last step's polynomials go on."""
         states = self.arrays.states
         now = np.concatenate([self._multiplier, self._force])
-        if self._past is None:
+        past, place = (self._past, 1.0) if self._whole is None else self._whole
+        if past is None:
             stages = np.broadcast_to(now, (len(states.multiplier), len(now)))
         else:
-            known, length = self._past
-            weights = self.tableau.polynomials(1.0 + self.tableau.nodes * (h / length))
+            known, length = past
+            weights = self.tableau.polynomials(place + self.tableau.nodes * (h / length))
             stages = known[0] + weights @ (known[1:] - known[0])
         places = states.multiplier.shape[1]
         states.multiplier[:], states.carried[:] = stages[:, :places], stages[:, places:]
@@ -117,7 +123,7 @@ class StageConstraints:
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
         constraints, states = self.constraints, self.arrays.states
-        self._earlier = self._force.copy()
+        self._earlier, self._whole = self._force.copy(), None
         now = np.concatenate([self._multiplier, self._force])
         if len(self.tableau.nodes) > 1:
             stages = np.concatenate([states.multiplier, states.force], axis=1)

@@ -20,8 +20,9 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.transient.integrators import jacobian, step_task
-from viscorod.solve.transient.integrators.collocation_step import try_step
+from viscorod.solve.transient.integrators.collocation_step import place_predicted, try_step
 from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
+from viscorod.solve.transient.integrators.loop_data import OF_MIDDLE, OF_START, OLD
 from viscorod.solve.transient.integrators.predictor import Predictor
 from viscorod.solve.transient.integrators.record_kernels import Kept
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
@@ -115,8 +116,9 @@ class StageModel:
         self._shared: Shared[StepTask] | None = None
         self._reached = State(self.stages.r[-1], self.stages.q[-1], self.stages.twist[-1])  # last stage
         self.trying, self.projection = KnownTypes(try_step), KnownTypes(jacobian.project)
+        self.placing = KnownTypes(place_predicted)
         self.adjoints, self.inertia_terms = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
-        self._have_jacobian = self._fresh_jacobian = False
+        self._have_jacobian, self._fresh_jacobian = False, OLD
         self._factor_step = self._end = self._step = 0.0
         self._rate = 1.0
 
@@ -237,13 +239,25 @@ class StageModel:
             return np.asarray(stages.strain[stage])
         return np.asarray(stages.strain[stage] + stages.rest[stage])
 
-    def renew_jacobian(self) -> None:
-        """Linearise at the start of the step."""
-        state, matrices, body = self.state, self.matrices, self.body
+    def _predicted(self, h: float) -> tuple[State, Floats]:
+        """Return the middle stage of a step of ``h`` [s], and the stresses there, as they are predicted."""
+        stages, middle = self.stages, self._last // 2
+        self.placing.call(*self.step_arguments(h))
+        state = State(stages.r[middle], stages.q[middle], stages.twist[middle], self.state.multiplier)
+        return state, stages.stress[middle]
+
+    def renew_jacobian(self, h: float, *, at_start: bool) -> None:
+        """Linearise about the middle of a step of ``h`` [s], whose stages are predicted, or about its start.
+
+        That is where too little is known of the middle: no step precedes, the method has one stage, or iterations about
+        a middle have not converged, whose prediction is wild then.
+        """
+        state, stress = (self.state, self._stress) if at_start else self._predicted(h)
+        matrices, body = self.matrices, self.body
         self.adjoints.call(state.twist, self._ad)
         matrices.K.fill(0.0)
         matrices.C.fill(0.0)
-        self.forces.linearise(state, self._ad, self._stress, matrices.operators, matrices.K, matrices.C)
+        self.forces.linearise(state, self._ad, stress, matrices.operators, matrices.K, matrices.C)
         if self.stage_constraints is not None:
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
@@ -272,7 +286,7 @@ class StageModel:
             matrices.directions,
             self.scratch.square[0],
         )
-        self._have_jacobian = self._fresh_jacobian = True
+        self._have_jacobian, self._fresh_jacobian = True, OF_START if at_start else OF_MIDDLE
         self._factor_step = 0.0
         self.jacobians += 1
 
