@@ -115,7 +115,8 @@ def version(python: str) -> tuple[int, int]:
 
 def check_installed(python: str, wheel: Path, held: list[str]) -> None:
     """Install a wheel into an empty environment and use it there as a newcomer does."""
-    with tempfile.TemporaryDirectory() as name:
+    # processes that compile for the next run may still write into it
+    with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as name:
         folder = Path(name)
         run([python, "-m", "venv", "env"], folder)
         bin_ = folder / "env" / ("Scripts" if sys.platform == "win32" else "bin")

@@ -234,11 +234,11 @@ def test_what_goes_wrong_in_python_ends_the_run(taken):
     run, state = transient(driven(), 0.6)
     renew, renewed = run.integrator.renew_jacobian, []
 
-    def fails(h, *, again):
+    def fails(h, *, at_start):
         renewed.append(run.integrator.t)
         if len(renewed) > 4:
             raise InputError("no more of these")
-        renew(h, again=again)
+        renew(h, at_start=at_start)
 
     run.integrator.renew_jacobian = fails
     result = run.run(state, 0.6, output_interval=0.01)

@@ -19,7 +19,7 @@ from viscorod.results.array_pieces import extremes, largest
 from viscorod.results.components import chosen_component
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.run import Run
-from viscorod.solve.modes.vibrations import Modes
+from viscorod.solve.modes.vibrations import Vibrations
 
 
 def test_tip_is_the_history_alone():
@@ -116,7 +116,7 @@ def test_modes_are_drawn_in_their_planes_with_their_numbers():
     shapes[2, :, 1] = s / ARC
     rest = run.data["reference_position"].values
     values = np.array([0.0j, -0.1 + 2.0j, -9.0 + 0.0j])
-    modes = Modes(
+    modes = Vibrations(
         eigenvalues=values,
         frequencies=np.abs(values) / (2 * np.pi),
         damping_ratios=np.array([0.0, 0.1 / 2.0025, 1.0]),

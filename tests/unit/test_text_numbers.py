@@ -1,8 +1,9 @@
 """Numbers and tables as text: prefixes, digits, widths, against values written out by hand."""
 
+import numpy as np
 import pytest
 
-from viscorod.results.text_numbers import even, number, percent, quantity, scaled
+from viscorod.results.text_numbers import above_rounding, even, number, percent, quantity, scaled
 from viscorod.results.text_table import WIDTH, listed, numbers, page, table, tabulated, words
 
 
@@ -93,3 +94,8 @@ def test_names_longer_than_half_of_the_width_stand_above_their_numbers():
     lines = table("Numbers", header, [(key, *row)]).splitlines()
     assert [line.split() for line in lines[1:]] == ["  ".join(header).split(), key.split(), list(row)]
     assert max(map(len, lines)) <= WIDTH
+
+
+def test_what_rounding_leaves_of_a_damping_ratio_is_none():
+    """Eigenvalues of an undamped blade that turns told 2.7e-10; the least damped resonators of quartz have 1e-8."""
+    assert above_rounding(np.array([2.7e-10, -4.3e-11, 1e-8, -0.02])).tolist() == [0.0, 0.0, 1e-8, -0.02]

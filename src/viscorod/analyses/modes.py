@@ -77,7 +77,7 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
 
 
 def _result(
-    discrete: DiscreteModel, state: State, found: vibrations.Modes, about: str, scale: float
+    discrete: DiscreteModel, state: State, found: vibrations.Vibrations, about: str, scale: float
 ) -> Modes:
     """Return modes with the state that they are about, whose forces the static solver holds."""
     history = History()

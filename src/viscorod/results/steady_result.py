@@ -13,7 +13,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.result import Result
 from viscorod.shown import counted
-from viscorod.solve.modes.vibrations import Modes
+from viscorod.solve.modes.vibrations import Vibrations
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -109,7 +109,7 @@ class Steady(Result):
         return ratios
 
     @cached_property
-    def modes(self) -> Modes:
+    def modes(self) -> Vibrations:
         """The small motions with their shapes about the shape that turns, in the order of the eigenvalues.
 
         Shapes are seen from the turning axes, at the instant that is stored. All small motions are computed, so that
@@ -124,7 +124,7 @@ class Steady(Result):
             self._values(name)[:, 0] + 1j * self._values(name)[:, 1]
             for name in ("mode_shape", "mode_rotation")
         )
-        return Modes(
+        return Vibrations(
             eigenvalues=self.eigenvalues,
             frequencies=self.frequencies,
             damping_ratios=self.damping_ratios,

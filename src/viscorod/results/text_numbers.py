@@ -19,6 +19,8 @@ _PLAIN = (0.01, 1e4)
 """Between these the unit needs no prefix."""
 _ROUND_OFF = 1e-10
 """Numbers below this part of the largest beside them read 0."""
+_NO_PART = 1e-9
+"""Damping ratios below it are none: eigenvalues of rotors are that wrong, and no structure damps so little."""
 _MOST_DECIMALS = 9
 _FEWEST = 3
 """Digits of the smallest number of a column with even decimals."""
@@ -79,7 +81,7 @@ def number(value: float, digits: int = 6, *, size: float = 0.0) -> str:
 
 def above_rounding(parts: Any) -> Any:
     """Return parts of one, such as damping ratios, with 0 in place of what rounding leaves of it."""
-    return np.where(np.abs(parts) < _ROUND_OFF, 0.0, parts)
+    return np.where(np.abs(parts) < _NO_PART, 0.0, parts)
 
 
 def even(values: Iterable[float], digits: int = 6) -> list[str]:

@@ -30,7 +30,7 @@ _WIDTH = 44  # letters of a title
 
 def draw_modes(
     result: Result,
-    modes: Modes | vibrations.Modes,
+    modes: Modes | vibrations.Vibrations,
     count: int | None = None,
     number: int | None = None,
     ax: Axes | None = None,
@@ -104,7 +104,7 @@ def after_turn(rotations: Floats, turn: Floats) -> Floats:
     return found
 
 
-def _name(k: int, modes: Modes | vibrations.Modes) -> str:
+def _name(k: int, modes: Modes | vibrations.Vibrations) -> str:
     eigenvalue, name = modes.eigenvalues[k], modes.names[k]
     ratio = float(above_rounding(modes.damping_ratios[k]))
     title = f"{fill(f'{k + 1}: {name}', _WIDTH)}\n"

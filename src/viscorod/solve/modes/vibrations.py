@@ -17,7 +17,14 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
-__all__ = ["Linearisation", "Modes", "complex_modes", "linearise", "natural_frequencies", "station_shapes"]
+__all__ = [
+    "Linearisation",
+    "Vibrations",
+    "complex_modes",
+    "linearise",
+    "natural_frequencies",
+    "station_shapes",
+]
 
 NUMBERED = 100
 """Modes below those near a frequency up to which they are all computed, to be numbered by kind."""
@@ -30,7 +37,7 @@ RESIDUAL = 1e-5
 
 
 @dataclass(frozen=True)
-class Modes:
+class Vibrations:
     """Modes in order of natural frequency, rigid motions first.
 
     Each rigid motion (and mechanism) is listed once, with the frequency and the damping ratio 0; geometry tells how
@@ -94,7 +101,7 @@ def complex_modes(
     *,
     near: float | None = None,
     oscillating: bool = False,
-) -> Modes:
+) -> Vibrations:
     """Return the ``count`` slowest damped modes about ``state``, rigid motions first; or those ``near`` a frequency.
 
     Args:
@@ -140,7 +147,7 @@ def complex_modes(
     shapes, rotations = station_shapes(solver.system.problem, state, linear.basis @ vectors)
     size = np.abs(s)
     residuals = np.concatenate([np.zeros(rigid.shape[1]), picked.residuals])
-    return Modes(
+    return Vibrations(
         eigenvalues=s,
         frequencies=size / (2.0 * np.pi),
         damping_ratios=np.divide(-s.real, size, out=np.zeros(len(s)), where=size > 0.0) + 0.0,

@@ -173,7 +173,8 @@ viscorod.start = async function () {
   if (!meta.modes.length) replace(1, () => viscorod.energyChart($("energy-chart"), meta.energy, chartX, arrays.energy, common));
   if (!meta.modes.length && meta.energy.fraction !== undefined) {
     const fraction = 100 * meta.energy.fraction;
-    $("energy-title").textContent = `Energy account; numerical remainder at most ${viscorod.text(fraction, 2)} % of the ${viscorod.text(meta.energy.moved)} ${meta.energy.unit} that moved`;
+    const remainder = `numerical remainder at most ${viscorod.text(fraction, 2)} % of the ${viscorod.text(meta.energy.moved)} ${meta.energy.unit} that moved`;
+    $("energy-title").textContent = `Energy account; ${meta.energy.moved > 0 ? remainder : "nothing moved"}`;
   } else $("energy-title").textContent = "Elastic energy";
   if (meta.decay) {
     meta.decay.time = Array.from(told(meta.decay.time));
