@@ -42,7 +42,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
 from viscorod.solve.transient.integrators import INTEGRATORS
-from viscorod.solve.transient.integrators.collocation_step import try_step
+from viscorod.solve.transient.integrators.collocation_step import place_predicted, try_step
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.many_steps import ManySteps
 from viscorod.solve.transient.step_control import ErrorControl
@@ -101,6 +101,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         vibrate(soft_model())
         for variant in _variants(assembly, relaxing):
             _simulate(*variant)
+        compile_step()
         compile_loop()
         await_compilation()
     if progress is not None:
@@ -225,12 +226,14 @@ def soft_model() -> Model:
 
 
 def compile_step() -> None:
-    """Compile the step of radau, and the kernels that it calls, without all that a run needs before it."""
+    """Compile the step of radau and its prediction, without all that a run needs before it."""
     work = DiscreteModel.of(soft_model())
     radau = Radau(work.system, work.supports, tolerance=1e-4)
-    step: Any = try_step
     typeof: Any = numba.typeof
-    step.compile(tuple(typeof(argument) for argument in radau.step_arguments(SPAN)))
+    arguments = tuple(typeof(argument) for argument in radau.step_arguments(SPAN))
+    kernels: tuple[Any, ...] = try_step, place_predicted
+    for kernel in kernels:
+        kernel.compile(arguments)
 
 
 def compile_loop() -> None:
