@@ -107,6 +107,7 @@ def test_effort_is_reported(given):
         assert a["smallest_step_why"] == "the given step"
 
 
+@pytest.mark.filterwarnings("ignore:the numerical remainder")  # a tolerance of 0.1 on purpose
 def test_tolerance_of_radau_unless_given():
     """The default, and the largest step of a run and of a harmonic motion."""
     a = driven().simulate(0.5, initial="reference").data.attrs

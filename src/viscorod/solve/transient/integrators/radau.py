@@ -39,6 +39,9 @@ class Radau(Collocation):
     newton_factor, newton_power = 3e-3, 1.25
     """Error left by the iteration is ``factor tolerance^power``: it changes velocities, which free motion adds up."""
 
+    newton_factor_of_joints = 1.5e-3
+    """The same where there are multipliers, which the changes of poses that end an iteration do not show."""
+
     half_iteration = 0.1
     """Tolerance of the iteration in steps that are computed again, over that of the run."""
 
@@ -50,6 +53,8 @@ class Radau(Collocation):
     ) -> None:
         self.tolerance = GivenTolerance(tolerance) if isinstance(tolerance, float) else tolerance
         self.estimate_order = stages
+        if system.problem.constrained:
+            self.newton_factor = self.newton_factor_of_joints
         super().__init__(system, supports, radau(stages), self._newton_tolerance())
         self._turn = 0.0
         self.turned = KnownTypes(largest_turn)
