@@ -70,7 +70,7 @@ def test_what_rigs_do_to_a_record_does_not_change_the_ratio(name):
         (found.frequencies[0], found.data.frequency_width.values[0], FREQUENCY),
         (found.damping_ratios[0], found.data.damping_ratio_width.values[0], RATIO),
     ):
-        assert abs(value - truth) < 2.0 * width < 0.03 * truth
+        assert abs(value - truth) < 2.0 * width < 0.05 * truth
 
 
 def test_a_long_rest_after_the_swing_does_no_harm():
@@ -86,6 +86,11 @@ def test_noise_steps_and_smooth_motions_have_no_stray_samples():
     white = rng.normal(size=4000)
     assert not spikes(white, 8.0).any()
     assert not spikes(np.cumsum(white), 8.0).any()
+    # what a fit leaves of a first swing: large, and gone within some samples
+    left = 5e-4 * np.exp(-np.arange(180) / 1.5) * np.cos(0.9 * np.arange(180)) + 3e-5 * np.sin(
+        0.3 * np.arange(180)
+    )
+    assert not spikes(left + 3e-6 * rng.normal(size=180), 0.01).any()
     for values in (
         white,
         np.cumsum(white),

@@ -21,6 +21,8 @@ ROUNDS = 6
 """Passes, of which each takes the farthest of five samples."""
 FAR = 8.0
 """Deviations from which on a sample is a spike."""
+ALONE = 3.0
+"""Distance of a spike over that of three of its four neighbours; what the model misses of a first swing is no spike."""
 LEAST = 0.005
 """Part of the size of a motion that a spike has at least."""
 SPAN = 12.0
@@ -53,6 +55,8 @@ def spikes(residual: Floats, size: float) -> np.ndarray:
         usual = np.maximum(median_filter(off, min(ABOUT, len(off)), mode="mirror"), float(np.median(off)))
         far = off > np.maximum(FAR * MEDIAN_TO_DEVIATION * usual, max(LEAST * size, 1e-300))
         far &= off >= maximum_filter(off, 5, mode="mirror")  # what stands beside it is off by it
+        beside = np.sort([x[:-4], x[1:-3], x[3:-1], x[4:]], axis=0)
+        far &= off > ALONE * np.minimum(beside[2] - beside[0], beside[3] - beside[1])
         if not far.any():
             break
         found[kept[far]] = True
