@@ -530,7 +530,10 @@ def test_members_that_are_none(held, members, message):
 def test_a_part_is_reported_by_itself(held):
     """An array job lists the members that it computed, however many come before them."""
     values = {FORCE: np.linspace(1e-4, 2e-4, 90)}
-    sweep = vr.sweep(held, values, quantities={"tip": TIP}, workers=1, members=slice(80, 83), errors=0)
+    given = {"quantities": {"tip": TIP}, "workers": 1, "errors": 0}
+    told = []
+    sweep = vr.sweep(held, values, **given, members=slice(80, 83), progress=told.append)
+    assert told[-1] == 3.0, "three members of this call are done, and not the 87 that others compute"
     report = sweep.report()
     assert [line.split()[0] for line in report.splitlines() if line.startswith("  8")][:3] == [
         "80",

@@ -82,7 +82,7 @@ def sweep(
         errors: for how many members, evenly chosen, the errors of mesh and steps are estimated. It changes no other
             number and takes half the time of short motions or more; by default for 64 at most, for all where whole
             results are kept. A member whose mesh the program chooses has it in any case.
-        progress: called with the number of members done, fractions included; True shows it.
+        progress: called with how many of these members are done, fractions included; True shows it.
 
     Returns:
         The members in the order of their values; ``table()`` has their numbers.
@@ -116,7 +116,8 @@ def sweep(
     if store is not None:
         names = member_names(case, rows, wanted, keep)
         store.take(names, found)
-    due = [k for k in _chosen(len(rows), members) if k not in found]
+    chosen = _chosen(len(rows), members)
+    due = [k for k in chosen if k not in found]
     # what is there already was looked at before
     notes = checked(case, {k: rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])}, wanted, keep)
     if errors is None and len(looked) < len(rows):
@@ -135,10 +136,10 @@ def sweep(
 
     def told(done: float) -> None:
         if shown is not None:
-            shown(len(rows) - len(due) + done)
+            shown(len(chosen) - len(due) + done)
 
     broken = ""
-    showing = counting(len(rows), "members") if progress is True else nullcontext(progress or None)
+    showing = counting(len(chosen), "members") if progress is True else nullcontext(progress or None)
     with stopping() as stop, little_garbage(), showing as shown:
         if not due:
             told(0.0)

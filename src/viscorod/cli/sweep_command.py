@@ -149,7 +149,9 @@ def sweep(
             replacing_note(folder / "sweep.nc")
         with nullcontext() if array_job else locked(folder):
             try:
-                with counting(count, "members", shown=not quiet()) as progress:
+                with counting(
+                    len(range(count)[part or slice(None)]), "members", shown=not quiet()
+                ) as progress:
                     result = compute(
                         loaded,
                         **given,
