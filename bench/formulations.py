@@ -101,7 +101,7 @@ def best_in_turn(functions: list[Callable[[], object]]) -> list[float]:
 def step_of(integrator: Collocation, limit: int) -> Callable[[], int]:
     """A step of 1 ms that iterates ``limit`` times at most with a frozen Jacobian; it returns how often."""
     h = 1e-3
-    integrator.renew_jacobian(h)
+    integrator.renew_jacobian(h, at_start=True)
     integrator._factorise(h)
     integrator.newton_tolerance = 0.0  # goes on as long as it may and gets nearer
 
@@ -141,7 +141,11 @@ def newton_table() -> None:
             middle, radau = (moving(method, name, elements, order) for method in (Midpoint, Radau))
             steps = [step_of(integrator, limit) for integrator in (middle, radau) for limit in (1, 2)]
             counts.append([step() for step in steps])
-            functions += [*steps, partial(middle.renew_jacobian, 1e-3), partial(middle._factorise, 1e-3)]
+            functions += [
+                *steps,
+                partial(middle.renew_jacobian, 1e-3, at_start=True),
+                partial(middle._factorise, 1e-3),
+            ]
         copy, solve = best_in_turn(lapack_of(middle))
         seconds = np.array(best_in_turn(functions)).reshape(2, -1)
         for name, count, best in zip(NAMES, counts, seconds, strict=True):

@@ -59,7 +59,6 @@ INNER = frozenset(
         "misfits",
         "passages",
         "sees_motion",
-        "steady_after",
         "travels",
         "wrench",
         "by_material",

@@ -27,11 +27,12 @@ from viscorod.casefile.shipped import shipped_case
 from viscorod.cli import run_commands
 from viscorod.cli.app import app
 from viscorod.cli.polite_stop import polite_stop
-from viscorod.results.files import checkpoint_file, journal, storage
+from viscorod.results.files import checkpoint_file, storage, stored_journal
 from viscorod.results.files import stream as streaming
 from viscorod.results.files.journal import Journal
 from viscorod.results.files.journal_folder import FOLDER
 from viscorod.results.files.stored_journal import checkpoint, contents
+from viscorod.solve.transient import many_steps, transient_solver
 
 from .cases import cantilever
 
@@ -111,11 +112,13 @@ def after(steps):
 
 @pytest.fixture
 def eager(monkeypatch):
-    """Write and make checkpoints as often as possible, without waiting for the disk."""
+    """Write and make checkpoints as often as possible, few steps at once, without waiting for the disk."""
     monkeypatch.setattr(os, "fsync", lambda handle: None)
     monkeypatch.setattr(streaming, "SHARE", 1.0)
     monkeypatch.setattr(streaming, "FLUSH", 0.0)
     monkeypatch.setattr(streaming, "CHECKPOINT", 0.0)
+    for module in (many_steps, transient_solver):
+        monkeypatch.setattr(module, "MOST_STEPS", 4)
 
 
 # --- what is written as it comes
@@ -260,7 +263,7 @@ def test_a_run_stopped_by_another_version_is_refused(tmp_path, eager, monkeypatc
 
 def test_memory_does_not_grow_with_the_run(tmp_path, monkeypatch):
     """A run ten times as long keeps no more in memory (Python's own allocations, arrays included)."""
-    monkeypatch.setattr(journal, "CHUNK", 1e5)  # files larger than these are copied and read in pieces
+    monkeypatch.setattr(stored_journal, "CHUNK", 1e5)  # files larger than these are copied and read in pieces
     monkeypatch.setattr(storage, "LARGE", 1e5)
     monkeypatch.setattr(streaming, "MANY", 64)  # states kept in memory
     monkeypatch.setattr(streaming, "MOST", 25)
