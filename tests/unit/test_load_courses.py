@@ -1,4 +1,4 @@
-"""Loads that compiled code knows as functions of time are those of Python, and move things as they should."""
+"""Loads that compiled code knows as functions of time are those of Python."""
 
 from __future__ import annotations
 
@@ -9,18 +9,13 @@ import pytest
 from numba import njit
 
 import viscorod as vr
-from viscorod.analyses.warmup import compile_loop
-from viscorod.mechanics.compilation.compiled import PURE_PYTHON
+from helpers.loaded_rods import ROWS, loaded_rod
 from viscorod.mechanics.nodes.load_courses import LoadSums, course_at, sum_loads
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.load_courses import course_loads
-from viscorod.solve.transient.many_steps import ManySteps
 
-pytestmark = pytest.mark.skipif(PURE_PYTHON, reason="nothing is compiled")
-
-ROWS = [0.0, 0.1, 0.1, 0.25, 0.3], [0.0, 1.0, -0.7, 0.4, 0.2]
 FUNCTIONS = [
     None,
     vr.Constant(0.7),
@@ -35,22 +30,6 @@ FUNCTIONS = [
 ]
 
 
-def rod(model, functions, **given):
-    """A soft rod with a force at its end, and one with an arm, for every function of time."""
-    material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
-    model.add(
-        "rod",
-        vr.Rod.straight(
-            (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=material, elements=1, order=4
-        ),
-    )
-    for function in functions:
-        model.force("rod.end", (0, 0.02, 0.01), time=function, **given)
-        model.force("rod.end", (0, 0.003, 0), following=True, time=function, **given)
-        model.distributed_force("rod", (0, 0, 0.01), time=function, **given)
-    return model
-
-
 @njit(error_model="numpy")
 def values(formula, numbers, first, times, before, out):
     """Evaluate a function of time at many times."""
@@ -61,7 +40,7 @@ def values(formula, numbers, first, times, before, out):
 @pytest.mark.parametrize("function", FUNCTIONS, ids=lambda one: type(one).__name__)
 def test_functions_of_time_are_the_same_bit_for_bit(function):
     """At 500 times, at corners from both sides, and before and after a table."""
-    model = rod(vr.Model(), [function])
+    model = loaded_rod(vr.Model(), [function])
     given = course_loads(ExternalLoads(discretise(model)))
     times = np.concatenate([np.linspace(-0.1, 0.5, 500), [0.05, 0.1, 0.17, 0.2, 0.21, 0.25, 0.3]])
     out = np.empty(len(times))
@@ -81,7 +60,7 @@ def sums_at(given, t, before, sums):
 @pytest.mark.parametrize("before", [False, True])
 def test_sums_are_the_same_bit_for_bit(t, before):
     """All kinds together, with gravity, and forces at an arm, whose levers turn with the section."""
-    model = rod(vr.Model(), FUNCTIONS, until=0.28)
+    model = loaded_rod(vr.Model(), FUNCTIONS, until=0.28)
     model.gravity((0, 0, -9.81))
     model.add("box", vr.Body.box((0.35, 0, 0), (0.1, 0.1, 0.1), 10.0, points={"corner": (0.4, 0.05, 0.05)}))
     model.attach("rod.end", "box")
@@ -114,67 +93,11 @@ class OwnFunction(TimeFunction):
 
 
 def test_other_functions_and_loads_are_left_to_python():
-    known = rod(vr.Model(), FUNCTIONS)
+    known = loaded_rod(vr.Model(), FUNCTIONS)
     assert course_loads(ExternalLoads(discretise(known))) is not None
-    model = rod(vr.Model(), [vr.FunctionOfTime(math.sin)])
+    model = loaded_rod(vr.Model(), [vr.FunctionOfTime(math.sin)])
     assert course_loads(ExternalLoads(discretise(model))) is None
-    model = rod(vr.Model(), [OwnFunction()])
+    model = loaded_rod(vr.Model(), [OwnFunction()])
     assert course_loads(ExternalLoads(discretise(model))) is None
     known.moving_force("rod", (0, 0, 1.0), speed=1.0)
     assert course_loads(ExternalLoads(discretise(known))) is None
-
-
-class OwnTable(vr.TimeTable):
-    """A table that Python is asked for, since it might be another function."""
-
-
-@pytest.fixture
-def asked(monkeypatch):
-    """How many functions the loop has of Python."""
-    compile_loop()
-    calls, called = [], ManySteps._called
-
-    def counted(self, function):
-        calls.append(function)
-        return called(self, function)
-
-    monkeypatch.setattr(ManySteps, "_called", counted)
-    return calls
-
-
-def test_a_table_moves_a_rod_as_the_same_table_in_python(asked):
-    """Bit for bit, with corners, a jump, and an end."""
-    runs = []
-    for kind in (vr.TimeTable, OwnTable):
-        model = rod(vr.Model(), [kind(*ROWS)], until=0.28)
-        model.clamp("rod.start")
-        runs.append(model.simulate(0.5, tolerance=1e-4, initial="reference", output_interval=0.01))
-        assert len(asked) == (0 if kind is vr.TimeTable else 2)
-    one, other = runs
-    assert one.data.attrs["steps"] == other.data.attrs["steps"]
-    assert one.data.attrs["iterations"] == other.data.attrs["iterations"]
-    for name in ("position", "section_force", "external"):
-        np.testing.assert_array_equal(one.data[name], other.data[name])
-
-
-def test_a_force_in_pieces_gives_its_impulse(asked):
-    """A free rod under an even force: its velocity is the integral of the table over the mass, its way that of it."""
-    material = vr.Material(1e6, poissons_ratio=0.3, density=1000.0)
-    model = vr.Model()
-    section = vr.Rectangle(0.01, 0.01)
-    model.add("rod", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=section, material=material))
-    table = vr.TimeTable([0.0, 0.1, 0.3, 0.3, 0.5], [0.0, 1.0, 2.0, -1.0, 0.0])
-    model.distributed_force("rod", (0, 0, 0.2), time=table, until=0.4)
-    run = model.simulate(0.6, tolerance=1e-5, initial="reference")
-    assert not asked
-    # pieces of 0 to 1, 1 to 2, -1 to -0.5; then nothing
-    impulse = 0.5 * 0.1 * 1.0 + 0.2 * 1.5 + 0.1 * -0.75
-    way = 0.1**2 / 6.0
-    way += 0.05 * 0.2 + 0.2**2 * (1.0 / 2.0 + 1.0 / 6.0)
-    way += 0.35 * 0.1 + 0.1**2 * (-1.0 / 2.0 + 0.5 / 6.0)
-    way += impulse * 0.2
-    acceleration = 0.2 / (1000.0 * 1e-4)
-    moved = run.history("rod.end", "position").values[-1]
-    np.testing.assert_allclose(moved, [0.3, 0.0, acceleration * way], rtol=1e-9, atol=1e-12)
-    velocity = run.history("rod.start", "velocity").values[-1]
-    np.testing.assert_allclose(velocity, [0.0, 0.0, acceleration * impulse], rtol=1e-9, atol=1e-12)
