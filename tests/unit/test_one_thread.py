@@ -3,8 +3,8 @@
 import os
 import subprocess
 import sys
+from importlib import import_module
 
-import scipy.linalg  # noqa: F401 - brings its library, so that the test may limit it
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import viscorod as vr
@@ -22,6 +22,7 @@ def test_threads_of_the_process_are_as_before():
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=rubber))
     model.clamp("bar.start")
     model.gravity()
+    import_module("scipy.linalg")  # brings its library, so that the test may limit it
     seen = []
     with threadpool_limits(limits=2, user_api="blas"):
         model.simulate(0.01, initial="reference", progress=lambda t, h: seen.append(threads()))
