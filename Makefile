@@ -132,6 +132,7 @@ bench: $(VENV)/.stamp-test
 	$(BIN)/python bench/periodic_motions.py
 	$(BIN)/python bench/sweep.py
 	$(BIN)/python bench/startup.py
+	$(BIN)/python bench/published_times.py
 
 peers: $(VENV)/.stamp-test
 	$(PIP) --editable '.[bench]'

@@ -283,14 +283,26 @@ KINDS: dict[str, Kind] = {
 """Name of an argument -> what checks and converts its values."""
 
 
-def require_known(function: Callable[..., Any], given: Mapping[str, Any]) -> None:
-    """Refuse arguments by names that a function does not have, with the nearest one that it has.
+def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed: Sequence[Any] = ()) -> None:
+    """Refuse arguments by names that a function does not have, and more values without names than it takes.
 
     Raises:
-        InputError: there is one.
+        InputError: there is one; the nearest name that it has is told.
     """
     code = function.__code__
     names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    if len(listed) > code.co_argcount and not code.co_flags & inspect.CO_VARARGS:
+        first = [name for name in names[: code.co_argcount] if name not in ("self", "cls")]
+        raise InputError(
+            Fault(
+                function.__name__,
+                f"{listed[code.co_argcount]!r:.60}",
+                f"at most {len(first)} can be given without their names: {', '.join(first) or 'none'}",
+                f"write the name before the others: {', '.join(f'{name} = ...' for name in names[code.co_argcount :])}"
+                if code.co_kwonlyargcount
+                else "leave the others out",
+            )
+        )
     if given.keys() <= set(names) or code.co_flags & inspect.CO_VARKEYWORDS:
         return
     wrong = next(name for name in given if name not in names)
@@ -316,7 +328,7 @@ def known_arguments(kind: C) -> C:
 def _telling(function: Callable[P, R]) -> Callable[P, R]:
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        require_known(function, kwargs)
+        require_known(function, kwargs, args)
         return function(*args, **kwargs)
 
     return call
@@ -348,7 +360,7 @@ def checked_with(**more: Kind) -> Callable[[Callable[P, R]], Callable[P, R]]:
         @functools.wraps(function)
         def call(*args: P.args, **kwargs: P.kwargs) -> R:
             run: Any = function
-            require_known(run, kwargs)
+            require_known(run, kwargs, args)
             listed = [converted(name, value) for name, value in zip(order, args, strict=False)]
             named = {name: converted(name, value) for name, value in kwargs.items()}
             result: R = run(*listed, *args[len(listed) :], **named)

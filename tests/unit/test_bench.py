@@ -27,6 +27,7 @@ SMALL = {
     "model_sizes": ([], {"STEPS": 2, "SIZES": ((1, 100), (2, 4))}),
     "newton_iteration": (["--elements", "40"], {}),
     "periodic_motions": ([], {"BAND": (85.0, 86.0), "COMPARED": 1}),
+    "published_times": (["--rounds", "1", "--only", "static"], {}),
     "stability": (["--rounds", "1"], {"ELEMENTS": (1,)}),
     "statics": (["--rounds", "1"], {}),
     "sweep": (["--members", "2", "--workers", "1", "--tolerance", "1e-2"], {}),

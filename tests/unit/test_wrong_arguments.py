@@ -320,3 +320,19 @@ def test_the_case_file_says_the_same():
     case["materials"][name] = content
     with pytest.raises(vr.InputError, match=rf"materials\.{name}\.youngs_modulus.*smaller than any quantity"):
         case_from_dict(case)
+
+
+def test_values_without_names_beyond_the_last_are_refused_by_what_can_be_named() -> None:
+    """`history` takes a quantity second, `probe` takes it by name: the other way round is told, not tried."""
+    beam = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=vr.Material(1e9, 0.3, 1000.0)
+    )
+    model = vr.Model()
+    model.add("beam", beam)
+    model.clamp("beam.start")
+    still = model.equilibrium()
+    said = r"probe: 'displacement': at most 1 can be given without their names: places; write the name .* quantity = "
+    with pytest.raises(vr.InputError, match=said):
+        still.probe("beam.end", "displacement")
+    with pytest.raises(vr.InputError, match="at most 2 can be given without their names"):
+        still.history("beam.end", "position", 0.5)
