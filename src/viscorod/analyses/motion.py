@@ -14,7 +14,13 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion_attributes import blows, described, failure, keep, tell
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.motion_start import held_part, initial_state, small_motions
-from viscorod.analyses.motion_stepping import halved_steps, integrates_strains, integrator_makers, stepping
+from viscorod.analyses.motion_stepping import (
+    halved_steps,
+    integrates_strains,
+    integrator_makers,
+    many_steps,
+    stepping,
+)
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import state_arrays
@@ -84,10 +90,14 @@ def _motion(
     relaxing = cache(lambda: Relaxing.of(discrete.static.system, start, linear()))
     start = state.copy()
     makers = integrator_makers(discrete, settings, state)
+    modes = cache(lambda: StartModes.of(linear(), relaxing()))
     integrator, control, chosen = stepping(
-        discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0]
+        discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0], start, modes
     )
-    halved = halved_steps(discrete, settings, lambda: StartModes.of(linear(), relaxing()), chosen, makers[1])
+    effort = many_steps(control, settings.duration, settings)
+    if effort:
+        warn(effort, at_once=True)
+    halved = halved_steps(discrete, settings, modes, chosen, makers[1])
     transient = Transient(discrete.problem, integrator, control, halved)
     began = time.perf_counter()
 
@@ -141,6 +151,7 @@ def _motion(
     attrs["loop_time_s"] = time.perf_counter() - began
     if halved is not None and result.outcome is Outcome.COMPLETED:
         attrs |= _estimated_errors(discrete, settings, halved, integrator, start)
+    keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))
     tell(attrs, motion_doubt(attrs))

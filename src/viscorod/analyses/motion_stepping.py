@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping
 from functools import partial
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.modal_reduction import reduced_makers
+from viscorod.analyses.motion_start import held_part
+from viscorod.results.text_numbers import quantity
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.registry import FORMULATIONS
 from viscorod.solve.formulations.system import State
@@ -19,15 +22,18 @@ from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
+from viscorod.solve.transient.participation import Participation, participation
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
 
-__all__ = ["halved_steps", "integrates_strains", "integrator_makers", "stepping"]
+__all__ = ["halved_steps", "integrates_strains", "integrator_makers", "many_steps", "stepping"]
 
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
 SEEN = 16
 """Slowest vibrations that equal steps are chosen by."""
+MANY = 50_000
+"""Equal steps of a run from which on it is said beforehand that there are so many."""
 STEPS_PER_PERIOD = 6
 """Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
 
@@ -55,12 +61,15 @@ def stepping(
     settings: SimulateSettings,
     linear: Callable[[], Linearisation],
     make: Callable[..., Integrator],
+    start: State | None = None,
+    modes: Callable[[], StartModes] | None = None,
 ) -> tuple[Integrator, StepControl, dict[str, Any]]:
     """Return integrator, step control and what was chosen, by name.
 
     Args:
         linear: returns small motions about the start, as stiff as vibrations see them; it is called where they are
-            needed.
+            needed. So is ``modes``, which returns the slowest of them.
+        start: where the motion begins; None: loads are not known beforehand.
     """
     method = INTEGRATORS[settings.integrator]
     duration = settings.duration
@@ -78,8 +87,37 @@ def stepping(
         return integrator, control, given | {"largest_step": largest}
     step = settings.time_step
     if step is None:
-        step = choose_time_step(discrete.problem, natural_frequencies(linear(), SEEN), duration)
+        if start is not None and modes is not None and moved_by_loads(discrete, settings):
+            seen = participation(discrete.problem, modes(), start, duration, held_part(settings))
+        else:
+            seen = Participation(natural_frequencies(linear(), SEEN), 0.0)
+        step = choose_time_step(discrete.problem, seen.vibrations[:SEEN], duration, seen.rigid)
     return make(**given), FixedSteps(step), given | {"time_step": step}
+
+
+def moved_by_loads(discrete: DiscreteModel, settings: SimulateSettings) -> bool:
+    """Return whether loads that are known, and velocities at the start, are all that sets a motion off."""
+    problem = discrete.problem
+    driven = (
+        problem.supports.motions or problem.joints.motions or any(s.changes for _, s in problem.rest_strains)
+    )
+    known = settings.start is None and not problem.initial_strain and not problem.functions
+    return known and not driven and not problem.periods and settings.dynamics == "nonlinear"
+
+
+def many_steps(control: StepControl, duration: float, settings: SimulateSettings) -> str:
+    """Return a warning if equal steps that the program has chosen are very many, else nothing."""
+    if settings.time_step is not None or not isinstance(control, FixedSteps):
+        return ""
+    count = math.ceil(duration / control.time_step)
+    if count < MANY:
+        return ""
+    method = INTEGRATORS[settings.integrator]
+    return (
+        f"{method.title} takes {count} equal steps of {quantity(control.time_step, 's', 2)}, which follow the "
+        "vibrations about the start; integrator = 'radau' follows the motion that there is in far fewer, and time_step "
+        "gives others"
+    )
 
 
 def halved_steps(

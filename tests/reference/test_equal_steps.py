@@ -1,0 +1,61 @@
+"""Equal steps that the program chooses, of motions that are mostly those of rigid parts."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+from viscorod.analyses.motion_stepping import many_steps
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.transient.step_control import ErrorControl, FixedSteps
+
+
+def falling(young: float) -> vr.Model:
+    """A bar on a ball joint, let go level."""
+    material = vr.Material(young, poissons_ratio=0.3, density=7850.0)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=material, elements=2, order=3
+    )
+    model.add("bar", rod)
+    model.ball("bar.start", "ground")
+    model.gravity((0, 0, -9.81))
+    return model
+
+
+def level(model: vr.Model, **given) -> tuple[vr.Run, np.ndarray]:
+    """A run of 1.5 s, and places of the far end at fifty times [m]."""
+    run = model.simulate(1.5, initial="reference", output_interval=0.03, **given)
+    return run, run.history("bar.end").values
+
+
+@pytest.mark.parametrize("integrator", ["generalized_alpha", "midpoint"])
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # of section forces, carried by vibrations
+def test_equal_steps_of_a_falling_bar_follow_the_fall(integrator):
+    """Radau at 1e-7, on the same mesh. Vibrations of 2e-4 of the length asked for 54 000 steps and more."""
+    model = falling(2e11)
+    run, places = level(model, integrator=integrator)
+    assert run.data.attrs["steps"] < 3000
+    _, exact = level(model, tolerance=1e-7)
+    assert np.abs(places - exact).max() < 3e-4
+
+
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+def test_equal_steps_of_a_soft_falling_bar_follow_its_vibrations():
+    """Radau at 1e-7: bending of some hundredths of the length is part of the motion."""
+    model = falling(2e9)
+    run, places = level(model, integrator="generalized_alpha")
+    assert run.data.attrs["steps"] > 2000  # the fall alone takes 917
+    _, exact = level(model, tolerance=1e-7)
+    assert np.abs(places - exact).max() < 3e-4
+
+
+def test_very_many_equal_steps_are_told_beforehand():
+    settings = SimulateSettings(duration=3.0, integrator="midpoint")
+    told = many_steps(FixedSteps(1e-5), 3.0, settings)
+    assert told.startswith("the midpoint rule takes 300000 equal steps of 10 µs")
+    assert "integrator = 'radau'" in told
+    assert many_steps(FixedSteps(1e-3), 3.0, settings) == ""
+    assert many_steps(FixedSteps(1e-5), 3.0, SimulateSettings(duration=3.0, time_step=1e-5)) == ""
+    assert many_steps(ErrorControl(3, 1e-5, 3.0), 3.0, settings) == ""
