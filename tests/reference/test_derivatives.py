@@ -561,6 +561,82 @@ def test_a_diagonal_is_numbered_as_in_its_file():
         assert number.at(1100.0).rods["arm"].section.stiffness[4][4] == 1100.0
 
 
+def test_numbers_of_sections_have_the_names_of_their_files():
+    """EI2 is the fifth number of the diagonal; the polar inertia goes along where it is the sum of the others."""
+    names = {"GA1": 10.0, "GA2": 11.0, "EA": 20.0, "EI1": 1.0, "EI2": 2.0, "GJ": 1.5}
+    inertia = {"mass": 1.0, "J1": 0.1, "J2": 0.2}
+    model = vr.Model()
+    section = vr.StiffnessSection(stiffness=names, inertia=inertia, times={"EI1": 0.01, "GJ": 0.02})
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    number = CaseNumber.of(model, "rods.beam.section.stiffness.EI2")
+    assert number.value == 2.0
+    assert number.at(3.0).rods["beam"].section.stiffness[4][4] == 3.0
+    assert CaseNumber.of(model, "rods.beam.section.times.GJ").at(0.5).rods["beam"].section.times[5] == 0.5
+    whole = {name: CaseNumber.of(model, f"rods.beam.section.inertia.{name}") for name in ("mass", "J1", "J3")}
+    diagonals = {
+        name: np.diag(one.at(2.0 * one.value).rods["beam"].section.inertia) for name, one in whole.items()
+    }
+    np.testing.assert_allclose(diagonals["mass"], [2.0, 2.0, 2.0, 0.1, 0.2, 0.3])
+    np.testing.assert_allclose(diagonals["J1"], [1.0, 1.0, 1.0, 0.2, 0.2, 0.4])
+    np.testing.assert_allclose(diagonals["J3"], [1.0, 1.0, 1.0, 0.1, 0.2, 0.6])
+    with pytest.raises(InputError, match="there is no such number"):
+        CaseNumber.of(model, "rods.beam.section.stiffness.EI3")
+
+
+def test_a_coupling_of_a_section_is_one_number_that_is_written_twice():
+    """Closed form: a pulled rod stretches and twists by e = C^-1 f, and de = -C^-1 dC e, dC symmetric."""
+    stiffness = np.diag([50.0, 50.0, 100.0, 1.0, 1.0, 0.8])
+    stiffness[2, 5] = stiffness[5, 2] = 2.0
+    model = vr.Model()
+    section = vr.StiffnessSection(stiffness=stiffness.tolist())
+    model.add("rope", vr.Rod.straight((0, 0, 0), (2, 0, 0), section=section, elements=2))
+    model.clamp("rope.start")
+    model.force("rope.end", (5.0, 0, 0))
+    strain = np.linalg.solve(stiffness, [0, 0, 5.0, 0, 0, 0])
+    both = np.zeros((6, 6))
+    both[2, 5] = both[5, 2] = 1.0
+    wanted = -np.linalg.solve(stiffness, both @ strain)
+    for key in ("rods.rope.section.stiffness[2][5]", "rods.rope.section.stiffness[5][2]"):
+        found = model.equilibrium(derivatives=[key]).derivatives[key]
+        changed = found.data.strain.values[-1]
+        np.testing.assert_allclose(changed, np.tile(wanted, (len(changed), 1)), atol=1e-11)
+        np.testing.assert_allclose(found.history("rope.end").values[-1], [2.0 * wanted[2], 0, 0], atol=1e-11)
+
+
+def test_a_rod_of_another_length_takes_the_end_of_its_pieces_along():
+    """Closed form: the end of a pulled rod is at L + F (l/EA_1 + (L - l)/EA_2), its derivative by L 1 + F/EA_2."""
+    model, force = vr.Model(), 3.0
+    rubber = vr.Material(2.5e6, poissons_ratio=0.45, density=1100.0)
+    sections = [(0.1, vr.Rectangle(0.02, 0.01)), (0.3, vr.Rectangle(0.01, 0.01))]
+    section = vr.Piecewise(sections)
+    model.add(
+        "beam", vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=section, material=rubber, elements=4, order=2)
+    )
+    model.clamp("beam.start")
+    model.force("beam.end", (force, 0, 0))
+    found = model.equilibrium(derivatives=["rods.beam.end[0]"]).derivatives["rods.beam.end[0]"]
+    wanted = 1.0 + force / (2.5e6 * 1e-4)
+    np.testing.assert_allclose(found.history("beam.end").values[-1], [wanted, 0, 0], atol=1e-9)
+
+
+def test_plain_numbers_in_the_place_of_functions_of_time_have_derivatives():
+    """By definition: all goes along with a clamp that is moved; a factor t of a force F moves by F/t of what F does."""
+    model = bar(elements=2)
+    model.clamp("beam.start", motion={"ux": 0.01})
+    model.force("beam.end", (0, 0.05, 0), time=0.5)
+    keys = ["supports[0].motion.ux", "loads[0].time", "loads[0].value[1]"]
+    found = model.equilibrium(derivatives=keys).derivatives
+    place = found[keys[0]].data.position.values[-1]
+    np.testing.assert_allclose(place, np.tile([1.0, 0, 0], (len(place), 1)), atol=1e-10)
+    by_factor, by_force = (found[key].data.position.values for key in keys[1:])
+    np.testing.assert_allclose(by_factor, 0.1 * by_force, atol=1e-7 * np.abs(by_factor).max())
+
+
+def test_whole_numbers_have_no_derivatives():
+    with pytest.raises(InputError, match="a whole number, which nothing has a derivative by"):
+        CaseNumber.of(bar(), "rods.beam.elements")
+
+
 def test_both_sides_of_a_number_say_why_they_are_refused():
     case = vr.load_case("examples/rubber_strip.toml").model(vr.Model)
     with pytest.raises(InputError, match="is incompressible") as refused:

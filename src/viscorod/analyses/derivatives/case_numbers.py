@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import copy
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, TypeVar
 
-from viscorod.casefile.case_keys import parts_of, put
-from viscorod.casefile.case_reader import SETTINGS, TABLES, read_entry, read_part
+from viscorod.analyses.derivatives.number_places import places_of
+from viscorod.casefile.case_keys import parts_of
+from viscorod.casefile.case_reader import SECTION_KEYS, SETTINGS, TABLES, read_entry, read_part
 from viscorod.casefile.list_entries import ENTRIES
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
@@ -47,15 +48,18 @@ class CaseNumber:
         table, name, within = _place(key)
         part = _part(model, key, table, name)
         content = _completed(part, part.to_dict(), within)
-        place = key
-        if (row := _row_of_diagonal(content, within)) is not None:
-            within, place = [*within, row], f"{key}[{row}]"
+        places = places_of(content, within)
+        within = places[0]
         value, size = _number(key, content, within, part)
+        started = [_at(content, place) for place in places]
 
         def changed(other: float) -> ModelDescription:
             new = copy.deepcopy(content)
-            whole = {table: {name: new} if isinstance(name, str) else [{}] * name + [new]}
-            put(whole, place, other)
+            for place, before in zip(places, started, strict=True):
+                *way, last = place
+                _at(new, way)[last] = other if before == value else before + (other - value)
+            if isinstance(part, Rod) and within[0] not in SECTION_KEYS:
+                _end_with_rod(part, name, new)
             return _with_part(model, table, name, part, new, within)
 
         return cls(key, value, _unit(part, within), size, changed)
@@ -154,21 +158,26 @@ def _inside(owner: Any, word: str | int) -> Any:
     return owner.get(word) if isinstance(owner, dict) else getattr(owner, word, None)
 
 
-def _row_of_diagonal(content: dict[str, Any], within: list[str | int]) -> int | None:
-    """Return the row that a key ends at, of a diagonal matrix, which case files give by its diagonal; else None."""
-    around: Any = content
-    for word in within[:-1]:
+def _at(content: Any, way: Sequence[str | int]) -> Any:
+    """Return what stands at the end of a way; None if it leads nowhere."""
+    place = content
+    for word in way:
         try:
-            around = around[word]
+            place = place[word]
         except (KeyError, IndexError, TypeError):
             return None
-    row = within[-1]
-    if not isinstance(row, int) or not isinstance(around, list) or not 0 <= row < len(around):
-        return None
-    square = all(isinstance(line, list) and len(line) == len(around) for line in around)
-    if not square or any(x != 0.0 for i, line in enumerate(around) for j, x in enumerate(line) if i != j):
-        return None
-    return row
+    return place
+
+
+def _end_with_rod(rod: Rod, name: str | int, content: dict[str, Any]) -> None:
+    """Let the last piece or station of the sections of a rod end where one with this ``content`` does."""
+    given = content.get("sections")
+    listed, word = (given, "until") if isinstance(given, list) else ((given or {}).get("stations"), "at")
+    if listed:
+        plain = {key: value for key, value in content.items() if key != "sections"}
+        other: Rod = read_part("rods", str(name), plain | {"section": listed[-1]["section"]})
+        if other.length != rod.length:
+            listed[-1] = listed[-1] | {word: other.length}
 
 
 def _number(
@@ -193,7 +202,10 @@ def _number(
     if isinstance(place, str) and "function" in place:
         why = "a Python function stands here, whose numbers have no keys"
         raise InputError(Fault("derivatives", show(key), why, "give it by numbers"))
-    if isinstance(place, bool) or not isinstance(place, int | float):
+    if isinstance(place, int) and not isinstance(place, bool):
+        why = "this is a whole number, which nothing has a derivative by"
+        raise InputError(Fault("derivatives", show(key), why, "name a number that may vary a little"))
+    if not isinstance(place, float):
         raise InputError(Fault("derivatives", show(key), f"this is {show(place)}", "name a number"))
     beside = [abs(x) for x in around if isinstance(x, int | float)] if len(around) > 1 else []
     return float(place), max([abs(float(place)), *beside])
