@@ -191,3 +191,35 @@ def test_check_shows_the_couplings_of_a_section_and_its_mass_centre():
     )
     held.clamp("strip.start")
     assert not [key for key in check(DiscreteModel.of(held)).sections[0] if "coupling" in key]
+
+
+def test_sections_are_listed_at_the_end_of_a_rod_towards_which_they_change():
+    material = STEEL["material"]
+    tapered = vr.Taper(vr.Circle(0.02), vr.Circle(0.01))
+    model = vr.Model()
+    model.add("tapered", vr.Rod.straight((0, 0, 0), (2, 0, 0), section=tapered, material=material))
+    model.add("even", vr.Rod.straight((0, 1, 0), (2, 1, 0), section=vr.Circle(0.02), material=material))
+    rows = check(DiscreteModel.of(model)).sections
+    assert [row["section"] for row in rows] == ["tapered@0", "tapered@2", "even@0"]
+    stretch = [row["stretch stiffness [N]"] for row in rows]
+    assert stretch[1] == pytest.approx(2e11 * np.pi * 0.01**2)
+    assert stretch[0] == pytest.approx(4.0 * stretch[1]) == pytest.approx(stretch[2])
+
+
+def test_axes_of_the_section_are_listed_at_the_start_of_a_rod():
+    # d1 of a rod along x is y without a twist; with one it turns about x
+    rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), **STEEL, twist=lambda s: np.pi / 6 + 0.1 * s)
+    model = vr.Model()
+    model.add("blade", rod)
+    (row,) = check(DiscreteModel.of(model)).rods
+    assert row["d1 at its start"] == "(0, 0.866, 0.5)"
+    assert row["d2 at its start"] == "(0, -0.5, 0.866)"
+
+
+def test_only_bodies_with_named_points_have_a_row_of_points():
+    model = vr.Model()
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), **STEEL))
+    model.add("ball", vr.Sphere(radius=0.1, centre=(1, 0, 0), density=1000.0))
+    model.attach("rod.end", "ball")
+    (row,) = check(DiscreteModel.of(model)).bodies
+    assert "points" not in row

@@ -4,6 +4,8 @@ import re
 
 import numpy as np
 import pytest
+from scipy.linalg import null_space
+from scipy.spatial import ConvexHull
 
 import viscorod as vr
 from helpers import synthetic_results, viewer_pages
@@ -109,6 +111,13 @@ def test_bodies_cover_what_their_shape_does(comb):
     assert np.ptp(corners, axis=0) == pytest.approx(comb.bodies["shuttle"].sides)
     points = corners_of(vr.Sphere(radius=0.2, centre=(1.0, 2.0, 3.0), density=1000.0))
     assert np.linalg.norm(points - [1.0, 2.0, 3.0], axis=1) == pytest.approx(0.2)
+
+
+@pytest.mark.parametrize("along", [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0), (1.0, 1.0, 1.0), (0.3, -0.8, 0.4)])
+def test_a_sphere_looks_like_a_circle_from_everywhere(along):
+    points = corners_of(vr.Sphere(radius=0.2, centre=(1.0, 2.0, 3.0), density=1000.0))
+    across = null_space(np.array([along])).T
+    assert ConvexHull((across @ points.T).T).volume == pytest.approx(np.pi * 0.2**2, rel=0.01)  # its area
 
 
 def test_the_legend_of_a_motion_is_above_its_rods():
@@ -306,3 +315,12 @@ def test_the_only_speed_of_a_steady_rotation_has_its_unit():
     steady = a_beam().steady([0.0, 0.0, 5.0])
     texts = [text.get_text() for axes in steady.plot_strain().axes for text in axes.texts]
     assert texts == ["at 5 rad/s"]
+
+
+def test_snapshots_of_a_motion_that_goes_to_and_fro_without_a_decay_are_those_of_one_swing(monkeypatch):
+    # twelve equal periods: thirteen snapshots of the whole would all show the same shape
+    monkeypatch.setattr(Run, "free_decay", lambda *_: None)
+    axes = Run(synthetic_results.swing(zeta=1e-3, omega=2.4 * np.pi)).plot().axes[1]
+    assert "first swing" in axes.get_title(loc="left")
+    tips = [line.get_ydata()[-1] for line in axes.lines if len(line.get_xdata()) > 5]
+    assert min(tips) < -0.9 * max(tips) < 0.0

@@ -44,12 +44,15 @@ def rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
     index = problem.rods.index(name)
     part = next(s for s in problem.sets if (s.rod == index).any())
     elements = int(np.count_nonzero(part.rod == index))
+    frame = rod.frames([0.0])[1][0]
     return {
         "rod": name,
         "length [m]": rod.length,
         "mass [kg]": rod.mass if rod.has_inertia else "not given",
         "elements": elements,
         "order": part.order,
+        "d1 at its start": _direction(frame[:, 0]),
+        "d2 at its start": _direction(frame[:, 1]),
     }
 
 
@@ -60,7 +63,7 @@ def body_row(name: str, body: AnyBody) -> dict[str, object]:
         "body": name,
         "mass [kg]": body.total_mass(),
         **{f"inertia {k} [kg m2]": float(value) for k, value in enumerate(principal, 1)},
-        "points": ", ".join(body.points),
+        **({"points": ", ".join(body.points)} if body.points else {}),
     }
 
 
@@ -98,10 +101,20 @@ def _point(position: Floats) -> str:
     return f"({', '.join(f'{value + 0.0:.4g}' for value in position)})"
 
 
+def _direction(vector: Floats) -> str:
+    return f"({', '.join(f'{value + 0.0:.3g}' for value in np.round(vector, 9))})"
+
+
 def section_rows(name: str, rod: Rod) -> list[dict[str, object]]:
-    """Describe the sections of a rod at its start and where they jump."""
+    """Describe the sections of a rod at its start, where they jump, and at its end if they change towards it."""
     rows = []
-    for s in (0.0, *rod.section_breaks):
+    places = [0.0, *rod.section_breaks]
+    if any(
+        not np.array_equal(*ends)
+        for ends in zip(*map(rod.matrices_at, (places[-1], rod.length)), strict=True)
+    ):
+        places.append(rod.length)
+    for s in places:
         C, D, M = rod.matrices_at(s)
         mass: float | str = float(M[0, 0]) if rod.has_inertia else "not given"
         row: dict[str, object] = {"section": f"{name}@{s:.6g}", "mass per length [kg/m]": mass}

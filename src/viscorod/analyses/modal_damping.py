@@ -22,6 +22,7 @@ from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.measured_damping import MOST_MODES, MeasuredDamping
 from viscorod.model.sections.stiffness_section import STRAINS
+from viscorod.results.text_numbers import quantity
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
@@ -79,9 +80,9 @@ def _known(material: Material, time: float, mode: _Mode) -> Material:
     wish = _wish(material)
     return material.with_damping(
         KelvinVoigt(time, wish.bulk_to_shear * time),
-        f"the shear time of {time:.4g} s gives mode {mode.number} of the unloaded model ({mode.hertz:.4g} Hz, "
-        f"{mode.share:.0%} {mode.strain}) the damping ratio {wish.target:.4g}, to first order in the ratio; "
-        "that of others grows with their frequency",
+        f"the shear time of {quantity(time, 's', 4)} gives mode {mode.number} of the unloaded model "
+        f"({quantity(mode.hertz, 'Hz', 4)}, {mode.share:.0%} {mode.strain}) the damping ratio {wish.target:.4g}, to "
+        "first order in the ratio; that of others grows with their frequency",
         "the bulk time is taken equal to the shear time"
         if wish.bulk_to_shear == 1.0
         else f"the bulk time is taken as {wish.bulk_to_shear:g} times the shear time",

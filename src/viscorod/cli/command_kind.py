@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import functools
 import inspect
+import re
 from collections.abc import Callable
 from contextvars import ContextVar
 from typing import Annotated, Any
@@ -64,4 +65,5 @@ def add(
 
 def _first_sentence(command: Callable[..., None]) -> str:
     text = inspect.cleandoc(command.__doc__ or "").split("\n\n")[0].replace("\n", " ")
-    return text.split(". ")[0].rstrip(".") + "."
+    plain = re.sub(r"\[(\w+)\]", r"'\1'", text)  # shells complete with it, and brackets are markup to Typer
+    return plain.split(". ")[0].rstrip(".") + "."

@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.completion import case_names
 from viscorod.cli.terminal import readable_errors, say
 from viscorod.errors import InputError
 from viscorod.whole_files import replacing
@@ -17,7 +18,10 @@ __all__ = ["example"]
 
 def example(
     name: Annotated[
-        str | None, typer.Argument(help="Case to copy; without it, all are listed.", show_default=False)
+        str | None,
+        typer.Argument(
+            help="Case to copy; without it, all are listed.", show_default=False, autocompletion=case_names
+        ),
     ] = None,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder to copy into")

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.completion import words
 from viscorod.cli.files import existing, picture_at, writable
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import readable_errors, replacing_note, told
@@ -27,6 +28,7 @@ def modes(
             help="equilibrium (at t = 0-), released (just after t = 0) or reference [default: that of the case, or "
             "equilibrium]",
             show_default=False,
+            autocompletion=words("equilibrium", "released", "reference"),
         ),
     ] = None,
     near: Annotated[

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Annotated, Any, cast
 
 import typer
 
+from viscorod.cli.completion import words
 from viscorod.cli.files import motion, opened
 from viscorod.cli.options import ResultFile, output_option
 from viscorod.cli.terminal import readable_errors, written
@@ -32,7 +33,7 @@ _TAKES = {
 
 def plot(
     result: ResultFile,
-    what: Annotated[str, typer.Option(metavar="KIND", help=", ".join(KINDS))],
+    what: Annotated[str, typer.Option(metavar="KIND", help=", ".join(KINDS), autocompletion=words(*KINDS))],
     output: Annotated[
         Path | None,
         output_option("FILE", "Picture, .png, .pdf or .svg [default: KIND.png beside the result]"),
@@ -42,18 +43,26 @@ def plot(
     ] = None,
     axis: Annotated[
         str | None,
-        typer.Option(help="Of tip and phase: x, y or z [default: that of most motion]", show_default=False),
+        typer.Option(
+            help="Of tip and phase: x, y or z [default: that of most motion]",
+            show_default=False,
+            autocompletion=words("x", "y", "z"),
+        ),
     ] = None,
     rod: Annotated[str | None, typer.Option(help="Of strain and space-time.")] = None,
     component: Annotated[
         str | None,
-        typer.Option(help="Of strain and space-time: shear_1, shear_2, stretch, bend_1, bend_2 or twist."),
+        typer.Option(
+            help="Of strain and space-time: shear_1, shear_2, stretch, bend_1, bend_2 or twist.",
+            autocompletion=words("shear_1", "shear_2", "stretch", "bend_1", "bend_2", "twist"),
+        ),
     ] = None,
     quantity: Annotated[
         str | None,
         typer.Option(
             help="Of space-time: strain, section_force or dissipation [default: section_force]",
             show_default=False,
+            autocompletion=words("strain", "section_force", "dissipation"),
         ),
     ] = None,
     count: Annotated[
@@ -65,6 +74,7 @@ def plot(
             help="Of modes: equilibrium (at t = 0-), released (just after t = 0) or reference "
             "[default: equilibrium]",
             show_default=False,
+            autocompletion=words("equilibrium", "released", "reference"),
         ),
     ] = None,
 ) -> None:

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from viscorod.cli.command_kind import quiet
+from viscorod.cli.completion import words
 from viscorod.cli.files import existing, writable
 from viscorod.cli.key_values import column_of, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
@@ -50,6 +51,7 @@ ExecutorOption = Annotated[
         metavar="KIND",
         help="processes:8, threads:2 or dask [default: one process per processor]",
         show_default=False,
+        autocompletion=words("processes:", "threads:", "dask"),
     ),
 ]
 Scheduler = Annotated[

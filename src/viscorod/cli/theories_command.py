@@ -7,6 +7,7 @@ from typing import Annotated, Any
 
 import typer
 
+from viscorod.cli.completion import words
 from viscorod.cli.files import existing, picture_at
 from viscorod.cli.options import CaseFile, OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors, say, written
@@ -27,7 +28,9 @@ def theories(
     theory: Annotated[
         list[str] | None,
         typer.Option(
-            metavar="WORD", help="euler_bernoulli, timoshenko or von_karman; may be repeated [default: all]"
+            metavar="WORD",
+            help="euler_bernoulli, timoshenko or von_karman; may be repeated [default: all]",
+            autocompletion=words("euler_bernoulli", "timoshenko", "von_karman"),
         ),
     ] = None,
     within: Annotated[

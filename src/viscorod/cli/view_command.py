@@ -46,11 +46,12 @@ def view(
         from viscorod.pictures.viewer import view as write
         from viscorod.pictures.viewer.writing import FRAMES
         from viscorod.results.files.storage import load
+        from viscorod.results.text_numbers import quantity
 
         others = {str(path): motion(path, "--beside") for path in beside or []}
         target = output or result.with_suffix(".html")
         page = write(load(result), target, frames=frames or FRAMES, beside=others)
-        written([page], f" ({page.stat().st_size / 1e6:.1f} MB)", first=True)
+        written([page], f" ({quantity(page.stat().st_size, 'B', 2)})", first=True)
         if open_:
             import webbrowser
 

@@ -119,9 +119,12 @@ def quantities_of(given: Any, kind: str, taken: Iterable[str] = ()) -> tuple[Qua
     found, faults = [], []
     reserved = {*taken, *FIGURES, *VARIABLES, *_variables(kind), *_RESERVED}
     for name, spec in given.items():
-        if not isinstance(name, str) or not name or "/" in name or name in reserved:
-            why = "this is no name, or one that the table has for something else"
-            faults.append(Fault(f"quantities.{name}", "", why, "give another, without a slash"))
+        if not isinstance(name, str) or not name or "/" in name:
+            faults.append(Fault(f"quantities.{name}", "", "this is no name", "give a text without a slash"))
+            continue
+        if name in reserved:
+            why = f"the table has a column or a variable {name!r} of its own"
+            faults.append(Fault(f"quantities.{name}", "", why, f"give another name, such as 'my_{name}'"))
             continue
         if callable(spec):
             found.append(Quantity(name, (), spec))

@@ -7,6 +7,7 @@ from typing import Annotated
 
 import typer
 
+from viscorod.cli.completion import words
 from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors, told
@@ -21,7 +22,11 @@ def decay(
     value: Annotated[str, typer.Option(help="Column of the values, by name or number from 1.")] = "2",
     time: Annotated[str, typer.Option(help="Column of the times, by name or number from 1.")] = "1",
     quantity: Annotated[
-        str, typer.Option(help="position, displacement, velocity, acceleration, strain or force.")
+        str,
+        typer.Option(
+            help="position, displacement, velocity, acceleration, strain or force.",
+            autocompletion=words("position", "displacement", "velocity", "acceleration", "strain", "force"),
+        ),
     ] = "displacement",
     unit: Annotated[
         str | None, typer.Option(help="Of the values, where the file does not say.", show_default=False)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated
 
 import typer
 
+from viscorod.cli.completion import program_names
 from viscorod.cli.files import rod_of
 from viscorod.cli.options import Frequency, OptionalNumber, RodName, SegmentLength, Station, numbers_of
 from viscorod.cli.terminal import notes, readable_errors, rows_text, say
@@ -23,7 +24,13 @@ def programs(
     case: Annotated[Path, typer.Argument(metavar="CASE.toml", help="Case file with the rod.")],
     rod: RodName = None,
     program: Annotated[
-        list[str] | None, typer.Option("--program", metavar="NAME", help="Only this one; may be repeated.")
+        list[str] | None,
+        typer.Option(
+            "--program",
+            metavar="NAME",
+            help="Only this one; may be repeated.",
+            autocompletion=program_names,
+        ),
     ] = None,
     segment_length: SegmentLength = None,
     frequency: Frequency = None,
@@ -59,7 +66,12 @@ def programs(
 
 
 def from_program(
-    program: Annotated[str, typer.Argument(metavar="PROGRAM", help="As in: viscorod damping programs.")],
+    program: Annotated[
+        str,
+        typer.Argument(
+            metavar="PROGRAM", help="As in: viscorod damping programs.", autocompletion=program_names
+        ),
+    ],
     numbers: Annotated[
         str, typer.Option("--numbers", metavar="N1,N2,..", help="The program's numbers, in its order.")
     ],

@@ -36,8 +36,8 @@ def diagonal_by_name(value: Mapping[Any, Any], *, all_needed: bool) -> tuple[flo
     if missing and all_needed:
         raise RefusedError(
             f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing",
-            "give all of GA1, GA2, EA, EI1, EI2 and GJ: 0 for EI1, EI2 and GJ of a cable; what is not known of shear "
-            "may be large, or the rod's constraints hold it",
+            "give all of GA1, GA2, EA, EI1, EI2 and GJ: 0 for EI1, EI2 and GJ of a cable; where shear is not known, "
+            "GA1 and GA2 are EA/5 to EA/3 in a solid section, of any size with constraints = 'unshearable' of the rod",
             found="",
         )
     return tuple(found.get(name, 0.0) for name in STIFFNESS_NAMES)
@@ -50,7 +50,8 @@ def inertia_by_name(value: Mapping[Any, Any]) -> tuple[float, ...]:
     if missing:
         raise RefusedError(
             f"{', '.join(missing)} {'is' if len(missing) == 1 else 'are'} missing",
-            "give mass, J1 and J2, and J3 where it is not their sum",
+            "give mass, J1 and J2, and J3 where it is not their sum; of a section of one material J1 = mass EI1/EA and "
+            "J2 = mass EI2/EA",
             found="",
         )
     mass, j1, j2 = (found[name] for name in INERTIA_NAMES[:3])

@@ -59,8 +59,10 @@ def corners_of(body: AnyBody) -> Floats | None:
     elif isinstance(body, Cylinder | Sphere):
         angle = 2.0 * np.pi * np.arange(_ROUND) / _ROUND
         circle = np.stack([np.cos(angle), np.sin(angle), np.zeros(_ROUND)], axis=1)
-        if isinstance(body, Sphere):
-            local = body.radius * np.concatenate([circle, circle[:, [0, 2, 1]], circle[:, [2, 0, 1]]])
+        if isinstance(body, Sphere):  # its circles of latitude, from pole to pole
+            sine, height = np.sin(angle[: _ROUND // 2 + 1]), np.cos(angle[: _ROUND // 2 + 1])
+            rings = sine[:, None, None] * circle + height[:, None, None] * np.array([0.0, 0.0, 1.0])
+            local = body.radius * rings.reshape(-1, 3)
         else:
             end = np.array([0.0, 0.0, 0.5 * body.length])
             local = np.concatenate([body.radius * circle - end, body.radius * circle + end])

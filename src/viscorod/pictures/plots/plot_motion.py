@@ -80,7 +80,7 @@ def draw_motion(
     picture = titled(run, 10.0, 7.6)
     grid = picture.add_gridspec(2, 1 if decay is None else 2, height_ratios=(1.0, 1.2), hspace=0.4)
     draw_history(picture.add_subplot(grid[0, :]), run, place, axis, decay)
-    _snapshots(picture, grid[1, 0], run, decay)
+    _snapshots(picture, grid[1, 0], run, _shown_span(run, place, axis, decay))
     if decay is not None:
         _damping(picture.add_subplot(grid[1, 1]), decay)
     return picture
@@ -141,11 +141,30 @@ def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:
     return np.append(time[:-1, None] + step * part, time[-1]), np.append(between, value[-1])
 
 
-def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | None) -> None:
+def _shown_span(run: Run, place: str, axis: str, decay: Decrement | None) -> tuple[float, float, str]:
+    """Return from when to when snapshots are taken [s], and words for it.
+
+    It is a period of a decay. Without one it is the whole motion, or the first swing of one that goes to and fro so
+    often that snapshots of all of it would meet it anywhere.
+    """
+    first, last = float(run.time[0]), float(run.time[-1])
+    if decay is not None:
+        start, end = map(float, decay.time[:2])
+        begins = start - (end - start) < first
+        return start, end, ", first period" if begins else f", period from {quantity(start, 's', 3)}"
+    values = run.history(place, "displacement").sel(axis=axis).values
+    above = values > 0.5 * (values.min() + values.max())
+    crossed = run.time[1:][above[1:] != above[:-1]]
+    if crossed.size <= _SNAPSHOTS // 2:
+        return first, last, ""
+    return first, first + 2.0 * float(np.ptp(crossed)) / (crossed.size - 1), ", first swing"
+
+
+def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, span: tuple[float, float, str]) -> None:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import Normalize
 
-    start, end = (run.time[0], run.time[-1]) if decay is None else decay.time[:2]
+    start, end, words = span
     reference = np.asarray(run.data["reference_position"].values, dtype=float)
     curves = Curves(run)
     coiled = curves.coiled(reference)
@@ -158,24 +177,20 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, decay: Decrement | 
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"
-    first = decay is None or start - (end - start) < run.time[0]
-    period = (
-        "" if decay is None else ", first period" if first else f", period from {quantity(start, 's', 3)}"
-    )
     rods += " and bodies" if assembly.bodies else ""
-    view.prepare(axes, f"{rods} {view.name}{period}{', side by side' if coiled else ''}")
+    view.prepare(axes, f"{rods} {view.name}{words}{', side by side' if coiled else ''}")
     colours = time_colours()
     last = end if end > start else start + 1.0
-    span = Normalize(start, last)
+    part = Normalize(start, last)
     if not coiled:
         draw_reference(axes, view, curves, run)
     states = list(zip(times, positions, rotations, shifts, strict=True))
     for time, position, rotation, shift in states:
-        curves.draw(axes, view, position + shift, color=colours(span(time)), linewidth=1.8)
+        curves.draw(axes, view, position + shift, color=colours(part(time)), linewidth=1.8)
         if not assembly.empty:
-            assembly.draw(axes, view.shifted(shift), position, rotation, colours(span(time)))
+            assembly.draw(axes, view.shifted(shift), position, rotation, colours(part(time)))
     for time, position, rotation, shift in states if coiled else (states[0], states[-1]):
-        assembly.draw_springs(axes, view.shifted(shift), position, rotation, colours(span(time)))
+        assembly.draw_springs(axes, view.shifted(shift), position, rotation, colours(part(time)))
     for shift in shifts if coiled else shifts[:1]:
         mark_supports(axes, view, run, positions[0] + shift)
     view.finish(axes, headroom=0.3 if coiled else 0.0)

@@ -19,7 +19,7 @@ class CheckReport(Shown):
     """The model in tables.
 
     Attributes:
-        rods: name, length [m], mass [kg], elements, order of every rod.
+        rods: name, length [m], mass [kg], elements, order, and d1 and d2 at the start of every rod.
         sections: stiffness [N, N m^2] and retardation time [s] of every strain, at the start of every rod and
             where it changes; "held" in place of the stiffness of strains that the rod holds; couplings of strains
             in stiffness and damping, and the mass centre [m], where they are not zero.
