@@ -79,12 +79,14 @@ class InputError(ValueError):
 class SolveError(RuntimeError):
     """A solution could not be found; the message says where it stopped, at which load, and what to try.
 
-    `run` holds the results up to there (a `Run` or an `Equilibrium`), or None if there are none.
+    `run` holds the results up to there (a `Run` or an `Equilibrium`), or None if there are none. `coarse` tells that
+    only a finer mesh helps; where the program chooses the mesh, it takes one.
     """
 
-    def __init__(self, message: str, run: Any = None) -> None:
+    def __init__(self, message: str, run: Any = None, *, coarse: bool = False) -> None:
         super().__init__(message)
         self.run = run
+        self.coarse = coarse
 
 
 class AccuracyWarning(UserWarning):

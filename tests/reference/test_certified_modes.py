@@ -468,3 +468,19 @@ def test_a_body_that_hangs_loose_on_a_loaded_rod_turns_freely():
     inertia = 0.4 * m * 0.02**2
     expected = [frequency(m), frequency(m / (1.0 + m * d**2 / inertia))]
     assert found.frequencies[3:] == pytest.approx(expected, rel=2e-3)
+
+
+def test_more_modes_than_a_mesh_has_are_cut_and_told():
+    """As many as the first mesh can have, each as good as of few; a mesh that was given has those of its matrices."""
+    free = bar(WORDS, elements=None, order=None)
+    many = free.modes(100_000)
+    few = free.modes(20)
+    assert 40 < len(many.frequencies) < 100
+    np.testing.assert_allclose(many.frequencies[:20], few.frequencies, rtol=1e-3)
+    assert many.frequency_errors.max() < 1e-2
+    told = f"100000 modes were asked for, and {len(many.frequencies)} are listed"
+    assert any(told in text for text in many.warnings)
+    assert few.warnings == []
+    given = bar(WORDS).modes(100_000)
+    assert len(given.frequencies) == 6 * 20  # nodes that are not held, undamped
+    assert any("120 are listed, all that the mesh has" in text for text in given.warnings)

@@ -94,6 +94,36 @@ def test_aluminium_strip_on_a_shaker():
         assert abs(tip) == pytest.approx(mine, rel=5e-4)
 
 
+def test_strip_of_kelvin_voigt_material_on_a_shaker():
+    """Absolute and relative motion of the tip over that of the base, closed form; a motion settles there."""
+    bending_time, shear_time, hertz = 6e-3, 3e-3, 30.0
+    bulk_time = (3.0 * bending_time - 2.0 * (1.0 + NU) * shear_time) / (1.0 - 2.0 * NU)
+    damping = vr.KelvinVoigt(shear_time, bulk_time)
+    material = vr.Material(YOUNG, NU, DENSITY, damping=damping)
+    model, omega, size = strip(material), 2.0 * np.pi * hertz, 1e-6
+    found = model.frequency_response(
+        inputs=["base uz", "base az", "beam.start uz"], outputs="beam.end uz", frequencies=[hertz]
+    )
+    (bending, shear), inertia = numbers_of(model)
+    damped = ((1 + 1j * omega * bending_time) * bending, (1 + 1j * omega * shear_time) * shear)
+    exact = shaken_cantilever(omega, LENGTH, damped, inertia)
+    for words, scale in (("base uz", 1.0), ("beam.start uz", 1.0), ("base az", -(omega**2))):
+        assert scale * found.response("beam.end uz", words)[0] == pytest.approx(exact, rel=1e-5)
+
+    shaken = strip(material)
+    del shaken.supports[0]
+    shaken.clamp("beam.start", motion={"uz": vr.Sine(hertz, size)})
+    run = shaken.simulate(0.6, initial="reference", output_interval=1.0 / hertz / 20)
+    t = run.data["time"].values
+    harmonic = np.column_stack([np.sin(omega * t), np.cos(omega * t)])[t > 0.4]
+    for moved, wanted in (
+        (run.history("beam.end").values[:, 2], exact),
+        ((run.history("beam.end") - run.history("beam.start")).values[:, 2], exact - 1.0),
+    ):
+        real, imaginary = np.linalg.lstsq(harmonic, moved[t > 0.4] / size)[0]
+        assert real + 1j * imaginary == pytest.approx(wanted, abs=2e-4)
+
+
 def test_bar_of_kelvin_voigt_material_is_exact():
     """Axial receptance tan(kL)/(E* A k) with E* = E (1 + i omega tau), up to heavy damping."""
     tau = 2e-6

@@ -133,3 +133,21 @@ def test_greenhill_self_weight():
 
     assert negative(7.8373474 * (1 - 1e-4)) == 0
     assert negative(7.8373474 * (1 + 1e-4)) == 1
+
+
+def test_turns_that_the_first_mesh_cannot_tell():
+    """A5 with meshes left to the program: four turns and a quarter are beyond the two elements it begins with.
+
+    A motion and modes begin there as well; elements that were given stay, and the message asks for more.
+    """
+    model, angle = vr.Model(), 2.0 * np.pi * 4.25
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=stiff(1e6, 1e6, 1.0, 1.0)))
+    model.clamp("beam.start")
+    model.moment("beam.end", (0, 0, angle))
+    exact = np.array([np.sin(angle), 1.0 - np.cos(angle), 0.0]) / angle
+    assert model.equilibrium().position("beam.end") == pytest.approx(exact, abs=2e-5)
+    assert model.modes(1).positions[-1] == pytest.approx(exact, abs=2e-5)
+    assert model.simulate(1e-7).data["position"].values[0, -1] == pytest.approx(exact, abs=2e-5)
+    model.rods["beam"] = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=stiff(1e6, 1e6, 1.0, 1.0), elements=2)
+    with pytest.raises(vr.SolveError, match="give the rod more elements"):
+        model.equilibrium()

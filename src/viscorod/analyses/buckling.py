@@ -64,6 +64,7 @@ def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
         f"The equilibria were not followed to {settings.count} critical loads: {why}, beyond {reached}"
         + ("" if stopped else ". What to try: a smaller count, or exact = false"),
         part,
+        coarse=course.outcome is Outcome.WRAPPED,
     )
 
 

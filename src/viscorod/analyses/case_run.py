@@ -121,15 +121,16 @@ def run_case(
         "stop": stop,
         "errors": errors,
     }
-    told = {"doubts": json.dumps(list(doubts))}
+    begun = discrete or discretised_case(case, CallOptions(**given))
+    known = json.loads(begun.attributes["doubts"])
+    told = {"doubts": json.dumps(list(dict.fromkeys([*doubts, *known])))}
     if discrete is None:
-        discrete = discretised_case(case, CallOptions(**given))
-        discrete.attributes.update(told)
+        begun.attributes.update(told)
     else:
-        discrete = discrete.renewed(replace(discrete.options, **given), told)
+        begun = discrete.renewed(replace(discrete.options, **given), told)
     settings = case.settings
     with one_blas_thread():
-        return _analysis(type(settings))(discrete, settings)
+        return _analysis(type(settings))(begun, settings)
 
 
 def as_model(description: ModelDescription) -> Model:

@@ -15,7 +15,7 @@ from viscorod.analyses.check_tables import (
     spring_row,
 )
 from viscorod.analyses.discrete import DiscreteModel, named
-from viscorod.analyses.doubtful_numbers import doubtful_numbers
+from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.rod_doubts import band_warnings, known_validity, shape_warnings, speed_warnings
 from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
@@ -154,7 +154,7 @@ def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
 def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
     """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in shape_warnings(name, rod)]
-    warnings += doubtful_numbers(model)
+    warnings += model_doubts(model, problem)
     joined = many_parts(problem)
     if joined:
         warnings.append(

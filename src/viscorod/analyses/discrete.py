@@ -14,6 +14,7 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
+from viscorod.analyses.model_doubts import loose_ends, model_doubts
 from viscorod.analyses.provenance import material_record, provenance, section_record
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
@@ -176,6 +177,7 @@ class DiscreteModel:
         known = with_known_times(model)
         attributes = provenance(model, options.title, options.attributes) | material_record(known) | notes
         problem = discretise(known, validated=validated)
+        attributes["doubts"] = json.dumps(model_doubts(known, problem))
         announce_compilation(geometric.assemble)
         if problem.constrained:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
@@ -269,7 +271,7 @@ class DiscreteModel:
         if searching and acting and not any(motion.translation for motion in loose):
             return loose
         if loose:
-            raise unheld(loose)
+            raise unheld(loose, "; ".join(loose_ends(self.problem)))
         return []
 
     def place(self, name: str) -> ResultPlace:

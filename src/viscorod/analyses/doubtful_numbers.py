@@ -16,6 +16,9 @@ __all__ = ["doubtful_numbers"]
 
 FASTEST = 2.0e4
 """Speed [m/s] of waves of stretch that no solid reaches: in diamond it is 1.8e4."""
+THINNEST = 1e-3
+"""Density [kg/m3] that no solid has, but steel has it in t/mm3."""
+GRAMS = "a density in g/cm3 is to be multiplied by 1000"
 SOFT = ((100.0, 1e3), (3000.0, 1e7))
 """Densities [kg/m3], and Young's moduli [Pa] below which no solid of at least this density is: gels begin at 1e3 Pa
 with the density of water, and what is heavier than stone is a metal or a rubber full of one."""
@@ -41,9 +44,12 @@ def _of_material(material: Material) -> Iterator[str]:
         speed = float(np.sqrt(modulus / density))
         given = f"Young's modulus {modulus:.4g} Pa and density {density:.4g} kg/m3"
         if speed > FASTEST:
+            advice = (
+                "1 t/mm3 is 1e12 kg/m3, 1 MPa is 1e6 Pa and 1 mm is 1e-3 m" if density < THINNEST else GRAMS
+            )
             yield (
                 f"{given} make waves of stretch of {speed / 1e3:.3g} km/s, faster than in any solid (18 km/s in "
-                "diamond); a density in g/cm3 is to be multiplied by 1000"
+                f"diamond); {advice}"
             )
         elif any(density >= heavy and modulus < soft for heavy, soft in SOFT):
             yield f"{given} are those of no solid, which is much stiffer; 1 MPa is 1e6 Pa and 1 GPa is 1e9 Pa"

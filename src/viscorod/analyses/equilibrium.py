@@ -68,7 +68,7 @@ class _Equilibrium:
             done = search.run(state, stops=stops[:-1], on_step=self._on_step)
             if not done:
                 self._keep_last(state)
-                raise SolveError(search.failure(), self._part(search))
+                raise SolveError(search.failure(), self._part(search), coarse=search.coarse)
             if search.settled:
                 self._forget(kept, stops)
                 self._record(factor, state, search.iterations)
@@ -224,7 +224,9 @@ def equilibrium_near(
     done = search.run(found.state)
     end_stages(discrete.static)
     if not done:
-        raise SolveError(f"No equilibrium was found from {found.label}. {search.failure()}")
+        raise SolveError(
+            f"No equilibrium was found from {found.label}. {search.failure()}", coarse=search.coarse
+        )
     discrete.static.restore(found.state, 0.0, before=True, scale=factor)
     return found.state, factor
 
@@ -258,5 +260,5 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
             )
 
     if not search.run(state, on_step=on_step):
-        raise SolveError(f"The initial equilibrium was not found. {search.failure()}")
+        raise SolveError(f"The initial equilibrium was not found. {search.failure()}", coarse=search.coarse)
     return search

@@ -87,9 +87,7 @@ class Search:
                 self.wound = self.stability.unstable > 0 and not self.forced and self._is_wound()
                 if self.stability.unstable == 0 or not self.allowed or circulatory(loads) or self.wound:
                     return True
-            if self.steps.outcome is Outcome.WRAPPED or (
-                self.steps.outcome is Outcome.INSIDE_OUT and not self._moves()
-            ):
+            if self.coarse or (self.steps.outcome is Outcome.INSIDE_OUT and not self._moves()):
                 return False
         return self.allowed and self._settle(start, state)
 
@@ -152,6 +150,11 @@ class Search:
     def settled(self) -> bool:
         """Whether it was found by settling."""
         return self.settling is not None and self.settling.found
+
+    @property
+    def coarse(self) -> bool:
+        """Whether it failed where elements cannot tell any more which way their nodes turn."""
+        return self.steps.outcome is Outcome.WRAPPED
 
     @property
     def count(self) -> int:

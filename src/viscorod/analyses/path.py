@@ -88,7 +88,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         attrs |= stability_attributes(last[-1], inertia_known=discrete.inertia_known)
         found = Equilibrium.later(discrete.arrays("equilibrium", history, attrs))
     if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
-        raise SolveError(attrs["message"], found)
+        raise SolveError(attrs["message"], found, coarse=path.outcome is Outcome.WRAPPED)
     return found
 
 

@@ -59,6 +59,8 @@ MOST_INTRINSIC_NODES = 100
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
 
+MOST_COUNTED = 1000
+"""Modes for which the program chooses a mesh at most."""
 MOST_COMPARED = 200
 """Frequencies that are compared on two meshes at most."""
 
@@ -74,7 +76,8 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
     """
     full = isinstance(settings, SteadySettings) and settings.formulation == "intrinsic"
     most = MOST_INTRINSIC_NODES if full else MOST_CHOSEN_NODES
-    result, stuck, before = analysis(discrete, settings), 0, np.inf
+    result, discrete = on_fine_enough(analysis, discrete, settings)
+    stuck, before = 0, np.inf
     for _ in range(MOST_MESHES - 1):
         divisions, estimate = discrete.watch.refined(settings.accuracy, most=most), discrete.watch.estimate
         if estimate is not None:  # what does not fall is not the mesh's
@@ -82,8 +85,29 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
         if divisions is None or stuck > 1:
             break
         discrete = discrete.on_mesh(divisions, result if isinstance(result, Equilibrium) else None)
-        result = analysis(discrete, settings)
+        result, discrete = on_fine_enough(analysis, discrete, settings)
     return result
+
+
+def on_fine_enough(
+    analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, settings: S
+) -> tuple[R, DiscreteModel]:
+    """Run an analysis, on elements half as long where these are too long to tell which way their nodes turn.
+
+    Returns:
+        the result, and the model on the mesh that it has.
+
+    Raises:
+        SolveError: of the analysis; the program may not choose the mesh, or another fails for another reason.
+    """
+    while True:
+        try:
+            return analysis(discrete, settings), discrete
+        except SolveError as error:
+            divisions = discrete.watch.halved() if error.coarse else None
+            if divisions is None:
+                raise
+        discrete = discrete.on_mesh(divisions)
 
 
 def refined_motion(
@@ -150,8 +174,10 @@ def _prepared(discrete: DiscreteModel, settings: SimulateSettings) -> DiscreteMo
         )  # its solvers keep stresses, those of the motion shall not
         try:
             divisions = _finer_start(before, settings)
-        except (InputError, SolveError):
-            break  # the motion will say so
+        except (InputError, SolveError) as error:
+            divisions = before.watch.halved() if isinstance(error, SolveError) and error.coarse else None
+            if divisions is None:
+                break  # the motion will say so
         if divisions is None:
             discrete.watch.share(before.watch)
             break
@@ -183,13 +209,50 @@ def refined_modes(
     discrete: DiscreteModel,
     settings: ModesSettings,
 ) -> Modes:
-    """Find modes on a mesh that the program chooses, with the estimated errors of their frequencies."""
+    """Find modes on a mesh that the program chooses, with the estimated errors of their frequencies.
+
+    More than a mesh has are not sought: the highest modes of any mesh are its own, not those of the model.
+    """
 
     def compared(found: Modes, other: Modes) -> tuple[Modes, Floats]:
         errors = frequency_errors(found, other)
         return found.with_errors(errors), errors
 
-    return beside_finer(analysis, discrete, settings, compared)
+    asked = settings.count
+    discrete, count = _countable(discrete, asked)
+    found = beside_finer(analysis, discrete, settings.replaced(count=count), compared)
+    there = len(found.eigenvalues)
+    if there < asked and (count < asked or not settings.oscillating):
+        begun = count < asked and discrete.watch.free
+        note = (
+            f"{asked} modes were asked for, and {there} are listed, "
+            + (
+                "as many as the mesh with which the program begins can have"
+                if begun
+                else "all that the mesh has"
+            )
+            + "; the highest modes of any mesh are its own: for more, give the rods more elements"
+        )
+        told = json.loads(found.data.attrs.get("warnings", "[]"))
+        found.data.attrs["warnings"] = json.dumps([*told, note])
+    return found
+
+
+def _countable(discrete: DiscreteModel, count: int) -> tuple[DiscreteModel, int]:
+    """Return the model on a mesh with as many degrees of freedom as modes are sought, and how many are sought there.
+
+    If the program would have to choose a mesh for more than ``MOST_COUNTED`` modes, those of the present mesh are.
+    """
+    if count <= 6 * discrete.problem.size:
+        return discrete, count
+    if count > MOST_COUNTED and discrete.watch.free:
+        return discrete, 6 * discrete.problem.size
+    while count > 6 * discrete.problem.size:
+        divisions = discrete.watch.halved()
+        if divisions is None:
+            return discrete, 6 * discrete.problem.size
+        discrete = discrete.on_mesh(divisions)
+    return discrete, count
 
 
 def refined_buckling(
@@ -224,7 +287,8 @@ def beside_finer(
         analysis: what is run; discrete, settings: its arguments.
         compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
-    found, before = analysis(discrete, settings), np.inf
+    found, discrete = on_fine_enough(analysis, discrete, settings)
+    before = np.inf
     if not discrete.watch.feasible:
         return found
     free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
@@ -264,7 +328,7 @@ def refined_response(
     """
     discrete, errors = _resolving(discrete, settings.highest, settings.accuracy)
     try:
-        found = analysis(discrete, settings)
+        found, _ = on_fine_enough(analysis, discrete, settings)
     except SolveError as error:
         if isinstance(error.run, FrequencyResponse):
             error.run.data.attrs["frequency_error"] = errors
@@ -283,7 +347,7 @@ def refined_periodic(
         settings.frequencies or (settings.frequency or 0.0,)
     )  # of free vibrations the first is compared
     discrete, errors = _resolving(discrete, highest, settings.accuracy)
-    found = analysis(discrete, settings)
+    found, _ = on_fine_enough(analysis, discrete, settings)
     found.data.attrs["frequency_error"] = errors
     return found
 

@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
+from viscorod.model.rod_checks import reaching_centre
 from viscorod.results.damping_validity import QUICK
 from viscorod.results.validity import SLENDER, SMALL_STRAIN, Condition, Validity, unknown_width
 from viscorod.typing import Floats
@@ -41,7 +42,9 @@ def shape_warnings(name: str, rod: Rod) -> list[str]:
     shape = _shape(rod)
     if shape is not None:
         for what, size in (("curvature", shape.curvature), ("twist", shape.twist)):
-            if size > SLENDER:
+            if size > SLENDER and not (
+                what == "curvature" and reaching_centre(rod) is not None
+            ):  # told by itself
                 warnings.append(
                     f"rod {name}: half width times {what} of the reference shape is {size:.2g}; "
                     "a rod model is meant for values much smaller than 1"

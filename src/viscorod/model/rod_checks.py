@@ -23,8 +23,10 @@ from viscorod.wording import RefusedError, show
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
 
-__all__ = ["material_value", "require_consistent", "twist_value", "whole_or_auto"]
+__all__ = ["material_value", "reaching_centre", "require_consistent", "twist_value", "whole_or_auto"]
 
+LOOKED_AT = 65
+"""Stations at which the curvature of a reference shape is compared with its section."""
 ROUNDED = 1e-3
 """How far the last station may be from the end of its rod, as a part of the length: tables are rounded."""
 
@@ -103,18 +105,38 @@ def require_consistent(rod: Rod) -> None:
         _inside_the_curve(rod)
 
 
+def reaching_centre(rod: Rod) -> tuple[float, float] | None:
+    """Return where the section of a rod first reaches to the centre of curvature, and how far away that is, in m.
+
+    None where it does nowhere, or the points of the section are not known.
+    """
+    stations = np.linspace(0.0, rod.length, LOOKED_AT)
+    bent = np.linalg.norm(rod.centreline.curvature(stations), axis=1)
+    for s in stations[bent * _half_width(rod) >= 1.0].tolist():
+        outline = rod.section_at(s).outline
+        corners = np.array([corner for outer, _ in outline for corner in outer]).reshape(-1, 2)
+        about = rod.curvature_at(s)
+        if not (1.0 + corners[:, 1] * about[0] - corners[:, 0] * about[1] > 0.0).all():
+            return s, float(1.0 / np.linalg.norm(about))
+    return None
+
+
+def _half_width(rod: Rod) -> float:
+    """Return the largest half width of the sections, m, as far as they are known."""
+    return max(section.half_width or 0.0 for _, section in rod.typical_sections())
+
+
 def _inside_the_curve(rod: Rod) -> None:
     """Refuse sections that reach to the centre of curvature."""
-    for s in np.linspace(0.0, rod.length, 65).tolist():
-        corners = np.array([corner for outer, _ in rod.section_at(s).outline for corner in outer])
-        bent = rod.curvature_at(s)
-        if not (1.0 + corners[:, 1] * bent[0] - corners[:, 0] * bent[1] > 0.0).all():
-            raise RefusedError(
-                f"its section reaches to the centre of curvature at s = {s:.6g} m",
-                "make the section thinner or the radius larger",
-                at=("section",),
-                found=f"radius {1.0 / np.linalg.norm(bent):.6g} m",
-            )
+    found = reaching_centre(rod)
+    if found is not None:
+        s, radius = found
+        raise RefusedError(
+            f"its section reaches to the centre of curvature at s = {s:.6g} m",
+            "make the section thinner or the radius larger",
+            at=("section",),
+            found=f"radius {radius:.6g} m",
+        )
 
 
 def _finite(rod: Rod) -> None:

@@ -31,15 +31,15 @@ _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns e
 def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
-    Stored ones are the JSON list of texts in the attribute ``warnings``. Added are: a remainder of the energy
-    account above 1 % of the energy that moved, steps whose errors are estimated to add up to more than 1 % of the
-    motion, a mesh whose error is estimated as more than
-    1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, and shear, stretch,
-    or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang
-    and Tuganov, section 2.2) is doubtful.
+    Stored ones are the JSON lists of texts in the attributes ``doubts`` (about the model) and ``warnings``. Added are:
+    a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
+    more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
+    the largest section force, or could not be estimated, and shear, stretch, or bending and twist times half width
+    beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.data
-    texts = [str(text) for text in json.loads(data.attrs.get("warnings", "[]"))]
+    stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
+    texts = [str(text) for text in dict.fromkeys(stored)]
     lost = energy_doubt(data)
     if lost and lost not in texts:
         texts.append(lost)

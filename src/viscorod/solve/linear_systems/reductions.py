@@ -29,8 +29,9 @@ def _modes(K: sparse.csc_array, M: sparse.csc_array, count: int, rigid: int = 0)
     """Return the slowest undamped modes ``(n, count)``, ``rigid`` ones first, and their angular frequencies [rad/s]."""
     n = K.shape[0]
     if n <= max(FULL, 2 * count + 2):
-        squares, vectors = scipy.linalg.eigh(K.toarray(), M.toarray(), subset_by_index=(0, min(count, n) - 1))
-        return vectors, np.sqrt(np.maximum(squares, 0.0))
+        # all of them: LAPACK's methods for some eigenvalues may fail where many are nearly equal
+        squares, vectors = scipy.linalg.eigh(K.toarray(), M.toarray())
+        return vectors[:, :count], np.sqrt(np.maximum(squares[:count], 0.0))
     from scipy.sparse.linalg import LinearOperator, eigsh
 
     # beside 0, which rigid motions have: a square that is slow beside stiffness over mass

@@ -141,7 +141,7 @@ def _of_full_matrices(linear: Linearisation, precise: float = PRECISE) -> Undamp
 def _indefinite(K: Floats, M: Floats) -> tuple[Floats, Floats]:
     """Return eigenvalues and vectors of ``K x = w^2 M x`` where ``K`` is not positive definite."""
     try:
-        lowest = float(scipy.linalg.eigh(K, M, eigvals_only=True, subset_by_index=(0, 0))[0])
+        lowest = float(scipy.linalg.eigh(K, M, eigvals_only=True)[0])
         shift = 2.0 * abs(lowest)
         for _ in range(20):
             try:

@@ -71,14 +71,13 @@ def squares_of(stiffness: Floats, mass: Floats, count: int) -> Floats:
     The largest of M y = K y/w^2 are found: shear and rotary inertia may be very stiff and very small, and the least of
     K y = w^2 M y would drown in the round-off of the largest.
     """
-    K, last = 0.5 * (stiffness + stiffness.T), len(stiffness) - 1
-    count = min(count, len(K))
+    K = 0.5 * (stiffness + stiffness.T)
     try:
-        inverse = eigh(mass, K, eigvals_only=True, subset_by_index=[last - count + 1, last])
+        inverse = eigh(mass, K, eigvals_only=True)
     except np.linalg.LinAlgError:  # not positive definite: unstable
-        found: Floats = eigh(K, mass, eigvals_only=True, subset_by_index=[0, count - 1])
-        return found
-    return np.asarray(1.0 / inverse[::-1])
+        found: Floats = eigh(K, mass, eigvals_only=True)
+        return found[:count]
+    return np.asarray(1.0 / inverse[::-1][:count])
 
 
 def squares_about(beam: PlanarBeam, x: Floats, count: int) -> Floats:

@@ -1,0 +1,133 @@
+"""What a model is hardly meant to have is told with every result: equal loads, loose ends, sections past a centre.
+
+Right values are closed forms: small deflections of cantilevers.
+"""
+
+import numpy as np
+import pytest
+
+import viscorod as vr
+
+STEEL = vr.Material(2.1e11, 0.3, 7850.0)
+WIRE = vr.Circle(0.005)
+
+
+def straight(start, end, **more):
+    return vr.Rod.straight(start, end, section=WIRE, material=STEEL, **more)
+
+
+def bar():
+    model = vr.Model()
+    model.add("bar", straight((0, 0, 0), (0.5, 0, 0)))
+    model.clamp("bar.start")
+    return model
+
+
+def sag(weight):
+    """Return w L^4/8 EI of the bar."""
+    return weight * 7850.0 * np.pi * 0.005**2 * 0.5**4 / (8.0 * 2.1e11 * np.pi / 4.0 * 0.005**4)
+
+
+def test_equal_loads_add_up_and_are_told():
+    model = bar()
+    model.gravity()
+    model.gravity()
+    found = model.equilibrium()
+    assert found.displacement("bar.end")[2] == pytest.approx(-sag(2.0 * 9.81), rel=1e-3)
+    told = "loads[0], loads[1] are the same gravity: they add up to 2 times one of them"
+    for result in (found, model.modes(1), model.simulate(1e-3), model.check()):
+        assert sum(told in text for text in result.warnings) == 1
+
+
+def test_loads_that_differ_are_not_doubted():
+    model = bar()
+    model.gravity()
+    model.gravity((0, -9.81, 0))
+    for name in ("wind", "push"):  # who names two forces means two
+        model.force("bar.end", (0, 1.0, 0), name=name)
+    model.force("bar@0.25", (0, 1.0, 0))
+    assert model.equilibrium().warnings == []
+
+
+def coil(radius, wire, pitch=0.05):
+    model = vr.Model()
+    helix = vr.Rod.helix(radius, pitch, 2.0, section=wire, material=STEEL)
+    model.add("coil", helix)
+    model.clamp("coil.start")
+    return model
+
+
+@pytest.mark.parametrize(
+    ("model", "told"),
+    [
+        (coil(0.01, vr.Circle(0.02)), True),
+        (coil(0.03, vr.Circle(0.02)), False),
+        # the centre of curvature is R + (p/2 pi)^2/R = 0.01633 m away, not R
+        (coil(0.01, vr.Circle(0.0163)), False),
+        (coil(0.01, vr.Circle(0.0164)), True),
+    ],
+)
+def test_wire_thicker_than_its_radius_of_curvature(model, told):
+    model.gravity()
+    for warnings in (model.check().warnings, model.equilibrium().warnings):
+        assert any("past the centre of curvature" in text for text in warnings) == told
+    assert any("0.01633 m away" in text for text in warnings) == told
+
+
+def test_band_bent_over_its_flat_side_is_not_doubted():
+    """Its half width, 12.5 mm, is more than the radius, its half thickness is not."""
+    for d1, told in (((0, 0, 1), False), ((0, 1, 0), True)):
+        band = vr.Rectangle(0.025, 0.001)
+        model = vr.Model()
+        arc = vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 1, 0), 0.01, 1.0, section=band, material=STEEL, d1=d1)
+        model.add("band", arc)
+        model.clamp("band.start")
+        assert any("past the centre of curvature" in text for text in model.check().warnings) == told
+
+
+def frame():
+    """Return two bars that meet at right angles, each held at its far end."""
+    model = vr.Model()
+    model.add("beam", straight((0, 0, 0), (0.5, 0, 0)))
+    model.add("post", straight((0.5, 0, 0), (0.5, 0.5, 0)))
+    model.clamp("beam.start")
+    model.gravity()
+    return model
+
+
+LOOSE = "beam.end and post.start are at the same place, and nothing joins them there"
+
+
+def test_ends_that_meet_and_are_not_joined_are_told():
+    model = frame()
+    with pytest.raises(vr.InputError, match=LOOSE):
+        model.equilibrium()
+    model.clamp("post.end")
+    found = model.equilibrium()
+    assert any(LOOSE in text for text in found.warnings)
+    assert any(LOOSE in text for text in model.check().warnings)
+    for end in ("beam.end", "post.start"):
+        assert found.displacement(end)[2] == pytest.approx(-sag(9.81), rel=1e-3)
+
+
+def by_a_body(model):
+    model.add("pin", vr.Sphere(0.01, density=1000.0, centre=(0.5, 0, 0)))
+    model.rigid("beam.end", "pin")
+    model.ball("pin", "post.start")
+
+
+@pytest.mark.parametrize(
+    "join",
+    [
+        lambda model: model.rigid("beam.end", "post.start"),
+        lambda model: model.ball("beam.end", "post.start"),
+        lambda model: model.spring("beam.end", "post.start", stiffness={"uz": 10.0}),
+        lambda model: [model.clamp(end) for end in ("beam.end", "post.start")],
+        by_a_body,
+    ],
+)
+def test_ends_that_are_joined_or_held_are_not_doubted(join):
+    model = frame()
+    model.clamp("post.end")
+    join(model)
+    assert not any("nothing joins" in text for text in model.check().warnings)
