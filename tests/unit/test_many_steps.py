@@ -216,6 +216,29 @@ def test_a_run_goes_on_from_a_step_that_was_taken_with_others(taken, monkeypatch
     assert second.account.recorded == whole.account.recorded
 
 
+class Told:
+    """Times that a run tells, all or where it is patient."""
+
+    def __init__(self, patient):
+        self.patient, self.ends, self.lengths = patient, [], []
+
+    def __call__(self, end, h):
+        self.ends.append(end)
+        self.lengths.append(h)
+
+
+def test_who_is_patient_is_told_the_last_of_some_steps(taken, monkeypatch):
+    monkeypatch.setattr(many_steps, "MOST_STEPS", 7)
+    every, last = Told(False), Told(True)
+    for told in (every, last):
+        run, state = transient(clamped(), 0.2)
+        run.run(state, 0.2, progress=told)
+    ends = np.cumsum(taken[: len(taken) // 2]) - 1
+    assert len(every.ends) == run.effort.steps > len(last.ends) > 1
+    assert last.ends == [every.ends[k] for k in ends]
+    assert last.lengths == [every.lengths[k] for k in ends]
+
+
 def test_machine_code_is_loaded_for_long_runs_only(taken, monkeypatch):
     """From disk it takes longer than a short run: of that all steps are taken one by one, of a long one the first."""
     monkeypatch.setattr(KnownTypes, "loaded", property(lambda _: False))

@@ -18,6 +18,7 @@ from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.results.between_records import Instants, step_ends
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files import storage
+from viscorod.results.probe import fields_at, instants_of
 from viscorod.results.run import Run
 
 RNG = np.random.default_rng(5)
@@ -220,6 +221,29 @@ def test_strains_are_those_of_the_probed_shape_at_gauss_points(swinging):
     ahead, behind = (run.probe("beam", s=s + d).isel(time=ends)["position"].values for d in (h, -h))
     V = np.einsum("tgij,tgi->tgj", frame, (ahead - behind) / (2.0 * h))
     assert V - [0.0, 0.0, 1.0] == pytest.approx(run.data["strain"].values[ends, :, :3], abs=2e-8)
+
+
+@pytest.mark.parametrize("times", [None, [0.0, 0.0123, 0.04]], ids=["stored", "between"])
+def test_positions_alone_are_those_that_come_with_all_else(times):
+    """Bit for bit, on elements of several orders, in the order in which places are asked for."""
+    rubber = vr.Material(1e6, poissons_ratio=0.3, density=1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    about = {"section": vr.Rectangle(0.01, 0.01), "material": rubber}
+    model = vr.Model()
+    model.add("beam", vr.Rod.straight((0, 0, 0), (0.2, 0, 0), elements=2, order=3, **about))
+    model.add("arm", vr.Rod.straight((0.2, 0, 0), (0.2, 0, 0.1), elements=1, order=4, **about))
+    model.attach("beam.end", "arm.start")
+    model.clamp("beam.start")
+    model.force("arm.end", (0, 0.02, 0.01), until=0.0)
+    run = model.simulate(0.05)
+    instants = None if times is None else instants_of(run, times)
+    sites = [
+        run.sites.along(*place) for place in (("arm", 0.09), ("beam", 0.111), ("arm", 0.0), ("beam", 0.2))
+    ]
+    whole = fields_at(run, sites, instants)
+    alone = fields_at(run, sites, instants, (), turning=False)
+    assert sorted(alone) == ["displacement", "position"]
+    for name, field in alone.items():
+        np.testing.assert_array_equal(field, whole[name])
 
 
 def test_steps_are_found_where_their_ends_are_stored(swinging):

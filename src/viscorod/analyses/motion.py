@@ -134,9 +134,10 @@ def _motion(
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,
         patient=options.stop is None or getattr(options.stop, "patient", False),
-        notes=_Noted(discrete.watch.noted, stream),
+        notes=_Noted(discrete.watch.noted, stream) if discrete.watch.feasible else None,
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
+    loop_time = time.perf_counter() - began
     interrupted = result.outcome is Outcome.INTERRUPTED
     if written is not None and written.broken:
         raise InputError(result.reason)
@@ -148,7 +149,7 @@ def _motion(
         | {"began_from": began_from}
         | described(discrete, transient, settings, result.outcome)
     )
-    attrs["loop_time_s"] = time.perf_counter() - began
+    attrs["loop_time_s"] = loop_time
     if halved is not None and result.outcome is Outcome.COMPLETED:
         attrs |= _estimated_errors(discrete, settings, halved, integrator, start)
     keep(attrs, effort)

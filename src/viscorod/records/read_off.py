@@ -125,14 +125,16 @@ def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn
         )
     waiting = times < known[0]
     inside = np.clip(times, known[0], known[-1])
-    found = _probed(result, record, np.concatenate([[known[0]], inside]))
+    of_body = isinstance(record.direction, str)
+    turning = of_body or bool(lever.any()) or record.quantity not in ("position", "displacement")
+    found = _probed(result, record, np.concatenate([[known[0]], inside]), turning=turning)
     if record.quantity == "strain":
         return strain_along(found, record.direction, lever)[1:]
-    frame = found["frame"]
+    frame: Any = found.get("frame")
     vector = _VECTORS[record.quantity](result, record.place, found, lever, frame)[1:]
     if record.quantity in ("velocity", "acceleration"):
         vector[waiting] = 0.0
-    if isinstance(record.direction, str):
+    if of_body:
         axis = frame[1:, :, BODY_AXES.index(record.direction)]
     else:
         axis = np.broadcast_to(record.direction, vector.shape)
@@ -148,11 +150,11 @@ _OF_RODS = {"strain": ("strain",), "force": ("section_force",)}
 """Fields of rods that quantities need; the others take longer than the rest."""
 
 
-def _probed(result: Any, record: Record, times: Floats) -> dict[str, Floats]:
+def _probed(result: Any, record: Record, times: Floats, *, turning: bool) -> dict[str, Floats]:
     """Return the fields of a run at the place of a record (n, ...) each, those that it needs."""
-    fields = fields_at(
-        result, [result.sites.at(record.place)], instants_of(result, times), _OF_RODS.get(record.quantity, ())
-    )
+    of_rods = _OF_RODS.get(record.quantity, ())
+    place, instants = result.sites.at(record.place), instants_of(result, times)
+    fields = fields_at(result, [place], instants, of_rods, turning=turning)
     return {"time": times, **{name: field[:, 0] for name, field in fields.items()}}
 
 
@@ -169,8 +171,8 @@ def strain_along(found: Any, direction: Floats | str, lever: Floats) -> Floats:
     return component
 
 
-def _position(_result: Any, _place: str, found: Any, lever: Floats, frame: Floats) -> Floats:
-    at: Floats = found["position"] + frame @ lever
+def _position(_result: Any, _place: str, found: Any, lever: Floats, frame: Any) -> Floats:
+    at: Floats = found["position"] + frame @ lever if lever.any() else found["position"]
     return at
 
 

@@ -59,10 +59,16 @@ class ElementPoints:
     values: Floats
     weights: Floats
 
+    def positions(self, position: Floats) -> Floats:
+        """Return positions at the places, of those of the stations ``(..., stations, 3)``."""
+        r = position[..., self.nodes, :]
+        result: Floats = np.einsum("nk,...nkc->...nc", self.values, r[..., self.element, :, :])
+        return result
+
     def poses(self, poses: Poses) -> Poses:
         """Return positions and unit quaternions at the places."""
-        r, q = poses.position[..., self.nodes, :], aligned(poses.rotation[..., self.nodes, :])
-        position = np.einsum("nk,...nkc->...nc", self.values, r[..., self.element, :, :])
+        q = aligned(poses.rotation[..., self.nodes, :])
+        position = self.positions(poses.position)
         rotation = np.einsum("nk,...nkc->...nc", self.values, q[..., self.element, :, :])
         return Poses(position, rotation / np.linalg.norm(rotation, axis=-1, keepdims=True))
 

@@ -141,16 +141,20 @@ def fields_at(
     sites: Sequence[ResultPlace],
     instants: Instants | None = None,
     of_rods: Sequence[str] = FIELDS,
+    *,
+    turning: bool = True,
 ) -> dict[str, Floats]:
     """Return all fields of sites, either all on rods or all on bodies, ``(states or times, sites, ...)`` each.
 
     Args:
         result: that has them; sites: where; instants: when, left out in all stored states.
         of_rods: which of the fields that bodies do not have.
+        turning: whether rotations and velocities are wanted; positions and displacements alone take a quarter as long.
     """
     if sites[0].rod in result.sites.bodies:
         return _OfBodies(result, sites, instants).fields()
-    return _OfRods(result, sites, instants, of_rods).fields()
+    rods = _OfRods(result, sites, instants, of_rods)
+    return rods.fields() if turning else rods.places()
 
 
 def poses_at(run: Result, stations: Integers, instants: Instants) -> Poses:
@@ -215,6 +219,13 @@ class PartsRead:
             v, w = self.instants.fields(v), self.instants.fields(w)
         return Poses(r, q), v, w
 
+    def positions(self, stations: Integers) -> Floats:
+        """Return positions at the times, without those of rotations that :meth:`moving` reads beside them."""
+        r = self.at("position", "station", stations)
+        if self.instants is None or not self.has("velocity"):
+            return r
+        return self.instants.positions(r, self.at("velocity", "station", stations))
+
     def poses(self, stations: Integers) -> Poses:
         """Return poses of the stored states that are needed."""
         return Poses(self.at("position", "station", stations), self.at("rotation", "station", stations))
@@ -275,11 +286,26 @@ class _OfRods:
                 # between Gauss points or states a polynomial through small powers may fall below zero
                 values[name] = np.maximum(found[..., 0], 0.0) if name == "dissipation" else found
             parts.append(values)
+        return self._together(parts)
+
+    def places(self) -> dict[str, Floats]:
+        """Return positions and displacements alone."""
+        read, stencil = self._read, self._stencil
+        moved = read.positions(stencil.stations)
+        reference = read.at("reference_position", "station", stencil.stations)
+        parts = []
+        for group in stencil.groups:
+            position = group.positions(moved)
+            parts.append({"position": position, "displacement": position - group.positions(reference)})
+        return self._together(parts)
+
+    def _together(self, parts: list[dict[str, Floats]]) -> dict[str, Floats]:
+        """Return the fields of all places in the order in which they were asked for."""
         together = {}
         for name in parts[0]:
             first = parts[0][name]
             together[name] = np.empty((len(first), self._count, *first.shape[2:]))
-            for group, values in zip(stencil.groups, parts, strict=True):
+            for group, values in zip(self._stencil.groups, parts, strict=True):
                 together[name][:, group.places] = values[name]
         return together
 

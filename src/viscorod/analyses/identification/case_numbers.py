@@ -13,6 +13,7 @@ from typing import Any
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
 from viscorod.casefile.case import Case, case_from_dict
 from viscorod.casefile.case_keys import parts_of
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
@@ -24,8 +25,12 @@ def keys_of(name: str) -> tuple[str, ...]:
     return tuple(key.strip() for key in name.split(",") if key.strip())
 
 
-def case_with(case: Case, values: Mapping[str, float]) -> Case:
+def case_with(case: Case, values: Mapping[str, float], known: KnownParts | None = None) -> Case:
     """Return a case with other values; keys that it does not have are left out.
+
+    Args:
+        case: that has others; values: by key.
+        known: parts of the same case with still other values; those that are the same are not read again.
 
     Raises:
         InputError: the case refuses a value.
@@ -36,7 +41,7 @@ def case_with(case: Case, values: Mapping[str, float]) -> Case:
             place, last = _place(content, key)
             if place is not None:
                 place[last] = value
-    return case_from_dict({"title": case.title, **content}, case.source)
+    return case_from_dict({"title": case.title, **content}, case.source, known=known)
 
 
 def number_at(case: Case, name: str, *, strict: bool = False) -> float | None:

@@ -21,6 +21,7 @@ from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError, last_warnings
 from viscorod.records.static_record import SLACK, StaticRecord
 from viscorod.solve.problem.division import Division, Divisions
@@ -74,6 +75,7 @@ class Member:
     records: list[Any]
     divisions: Divisions | None = None
     _last: tuple[tuple[tuple[str, float], ...], AnyResult] | None = field(default=None, repr=False)
+    _known: KnownParts = field(default_factory=KnownParts, repr=False, compare=False)
 
     def __post_init__(self) -> None:
         if type(self.case.settings) not in ON_MESH:
@@ -110,7 +112,7 @@ class Member:
         """
         key = tuple(values.items())
         if self._last is None or self._last[0] != key:
-            case = replace(case_with(self.case, values), settings=self.case.settings)
+            case = replace(case_with(self.case, values, self._known), settings=self.case.settings)
             self._last = key, self._computed(case)
         return self._last[1]
 
@@ -127,7 +129,7 @@ class Member:
         """
         if record.analysis != "material":
             return self.result(self.numbers(named))
-        case = case_with(self.case, self.numbers(named))
+        case = case_with(self.case, self.numbers(named), self._known)
         materials = {id(rod.material): rod.material for rod in case.description.rods.values()}
         if len(materials) != 1:
             why = "moduli are those of one material"

@@ -18,6 +18,7 @@ from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantity, evaluated
 from viscorod.results.sweep_figures import figures_of
 from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
 
 __all__ = ["MemberWork", "member_content"]
@@ -128,6 +129,22 @@ class _Stop:
         return "the sweep was stopped" if self._stopped() else ""
 
 
+class _Told:
+    """Passes on which part of a member is done.
+
+    Attributes:
+        patient: that it need not be after every one of the short steps that are taken at once.
+    """
+
+    patient = True
+
+    def __init__(self, tell: Callable[[float], None], course: Course) -> None:
+        self._tell, self._course = tell, course
+
+    def __call__(self, reached: float, _step: float) -> None:
+        self._tell(self._course.part(reached))
+
+
 def _compute(
     job: Job, known: KnownParts, tell: Callable[[float], None], stopped: Callable[[], bool]
 ) -> Found:
@@ -135,11 +152,7 @@ def _compute(
     content, title, source, errors = job
     try:
         case = case_from_dict({"title": title, **content}, source, known=known)
-        course = case.settings.course
-
-        def progress(reached: float, _step: float) -> None:
-            tell(course.part(reached))
-
+        progress = _Told(tell, case.settings.course)
         return (
             run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),
             "",

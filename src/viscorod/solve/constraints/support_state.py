@@ -10,6 +10,7 @@ from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.mechanics.rotations.rotation import retract
+from viscorod.solve.constraints.free_block import free_block, free_rows
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
@@ -191,9 +192,7 @@ class SupportState:
 
     def free_rows(self) -> np.ndarray:
         """Return the indices of the balance rows that remain after :meth:`impose`."""
-        free = np.ones((self.problem.size, 6), dtype=bool)
-        free[self.set.nodes] = self.set.fixed == 0.0
-        return np.flatnonzero(free.ravel())
+        return free_rows(self.problem)
 
     def free_basis(self, state: State) -> sparse.csc_array:
         """Return columns that span the body increments that the supports allow, one per free row."""
@@ -223,10 +222,10 @@ class SupportState:
         Returns:
             ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
         """
-        free, unit = self._reduce(state, residual, matrix)
+        _, unit = self._reduce(state, residual, matrix)
         basis = self.free_basis(state)
         basis.data *= np.repeat(unit, np.diff(basis.indptr))
-        return matrix.pattern.part(matrix.blocks, free, unit), basis
+        return free_block(self.problem).matrix(matrix.blocks), basis
 
     def reduced_tangent(self, state: State, residual: Floats, matrix: Matrix) -> Floats:
         """Return the tangent stiffness of :meth:`reduce_tangent` as a full matrix ``(free, free)``."""

@@ -16,6 +16,7 @@ import scipy.linalg
 from scipy import sparse
 
 from viscorod.errors import SolveError
+from viscorod.solve.constraints.free_block import free_block
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts
 from viscorod.solve.constraints.support_state import SupportState
@@ -159,8 +160,7 @@ def _within(supports: SupportState, basis: sparse.csc_array, blocks: Floats) -> 
     if len(supports.partial):
         size = 6 * problem.size
         return sparse.csr_array(basis.T @ problem.pattern.sparse(blocks)[:size, :size] @ basis)
-    free = supports.free_rows()
-    return problem.pattern.part(blocks, free, np.where(free % 6 < 3, problem.length, 1.0))
+    return free_block(problem).matrix(blocks)
 
 
 def _force_noise(solver: StaticSolver) -> float:

@@ -95,7 +95,8 @@ class Transient:
         Args:
             state: initial poses and twists (overwritten).
             output_interval: time between records [s]; None records every step and what lies between.
-            progress: called with (time, step) after every step.
+            progress: called with (time, step) after every step; with an attribute ``patient`` that is true, only after
+                the last one of some short steps that are taken at once.
             history: that records; None keeps everything in memory.
             checkpoint: from :meth:`saved` of a run that was stopped; this one goes on from there.
             after_step: called after every step; returns why the run is to stop, or nothing.
@@ -248,16 +249,18 @@ class Transient:
         taken = many.take(effort.steps, marks, halved, before)
         effort.iterations += taken.iterated
         effort.rejected += taken.rejected
-        tried = many.tried()
-        for k, h in enumerate(taken.lengths):
-            if halved is not None:
-                halved.passed(effort.steps, h)
+        if halved is not None:
+            tried = many.tried()
+            for k, h in enumerate(taken.lengths):
+                halved.passed(effort.steps + k, h)
                 if k in tried:
-                    halved.take(effort.steps, tried[k])
-            effort.steps += 1
-            if h < effort.smallest_step:
-                effort.smallest_step, effort.smallest_at = h, taken.starts[k]
-                effort.smallest_why = self._limit_in_words(many.limit(taken, k), many.report(taken, k))
+                    halved.take(effort.steps + k, tried[k])
+        effort.steps += len(taken.lengths)
+        least = min(taken.lengths, default=math.inf)
+        if least < effort.smallest_step:
+            k = taken.lengths.index(least)
+            effort.smallest_step, effort.smallest_at = least, taken.starts[k]
+            effort.smallest_why = self._limit_in_words(many.limit(taken, k), many.report(taken, k))
         if taken.ends:
             self.result.report = many.report(taken, len(taken.ends) - 1)
             records = many.records(before)
@@ -273,7 +276,8 @@ class Transient:
                 if seen < len(taken.ends):
                     notes.passed(len(taken.ends) - seen, self.integrator.t, self.integrator.snapshot)
         if self._progress is not None:  # which may end the run: states are recorded by now
-            for end, h in zip(taken.ends, taken.lengths, strict=True):
+            told = slice(-1, None) if getattr(self._progress, "patient", False) else slice(None)
+            for end, h in zip(taken.ends[told], taken.lengths[told], strict=True):
                 self._progress(end, h)
         many.check()
         if taken.broken:
