@@ -20,8 +20,8 @@ def step_errors(attrs: Mapping[str, Any]) -> dict[str, float]:
     """Return the estimated errors of a motion by its steps (``solve.transient.step_errors``).
 
     They are what single steps err by, added up over the run: the largest at any node and any time. Section forces are
-    those of small vibrations about the start; axial forces that come of turning, in whirling or tumbling bodies, may be
-    off by ten times as much.
+    those of small vibrations about the start; axial forces that come of turning, in whirling shafts, may be off by ten
+    times as much.
 
     Args:
         attrs: attributes of the result.

@@ -124,7 +124,7 @@ class ReducedMotion:
         self._step = 0.0
         self._take(self._y, self._root, self._state(self._y, self._root), before=False)
         if self.tolerance is not None:
-            self.tolerance.begin(t, self.state, self._imbalance())
+            self.tolerance.begin(t, self.state, self.unbalanced())
 
     def _take(self, y: Floats, root: Floats, state: State, *, before: bool) -> None:
         """Take over unknowns, roots and their state at the present time."""
@@ -134,8 +134,8 @@ class ReducedMotion:
         self._rate = self.model.equations.rates(y[None], force[None])[0]
         self.kinetic, self.elastic = 0.5 * float(y[:k] @ y[:k]), 0.5 * float(y[k:] @ y[k:])
 
-    def _imbalance(self) -> Floats:
-        """Return what accelerates the nodes ``(n, 6)``."""
+    def unbalanced(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         rates = self.model.twists(self._rate[: self._velocities])
         return np.asarray(np.einsum("nij,nj->ni", self.model.problem.mass, rates))
 
@@ -145,7 +145,7 @@ class ReducedMotion:
         held = np.zeros(problem.size)
         held[problem.supports.nodes[problem.supports.complete]] = 1.0
         return first_time_step(
-            problem.mass, self._imbalance(), self.state.twist, held, problem.length, duration
+            problem.mass, self.unbalanced(), self.state.twist, held, problem.length, duration
         )
 
     def attempt(self, end: float, *, before: bool) -> StepReport:

@@ -69,6 +69,8 @@ class Trials:
         rest: the largest error that no mode explains, body axes ``(n, 6)``; within: largest ones of the polynomials
             between the ends of steps, in their middle, at every node.
         moved: largest displacement [m] and rotation [rad] of a node from the start ``(2,)``.
+        starts: when the run began, and began anew after jumps [s]; released: amplitudes that each vibration then has
+            ``(k,)``, about where all is in balance.
         forces: largest force [N] and moment [N m] of sections ``(2,)``; apart: largest error of these in a step, also
             within it where strains are unknowns of their own.
     """
@@ -84,6 +86,8 @@ class Trials:
     amplitudes: list[Floats] = field(default_factory=list)
     rigid: list[Floats] = field(default_factory=list)
     energies: list[Floats] = field(default_factory=list)
+    starts: list[float] = field(default_factory=list)
+    released: list[Floats] = field(default_factory=list)
     moved: Floats = field(default_factory=lambda: np.zeros(2))
     forces: Floats = field(default_factory=lambda: np.zeros(2))
     apart: Floats = field(default_factory=lambda: np.zeros(2))
@@ -143,6 +147,30 @@ class HalvedSteps:
         self._run, self.seen = integrator, integrator.seen_by_halving
         self._start, self._duration, self._started = integrator.state.copy(), duration, False
         self._measure(integrator.state.r, integrator.state.q, integrator.snapshot().section_force)
+        self.release(integrator)
+
+    def release(self, integrator: Integrator) -> None:
+        """Note which vibrations are set off where the run has begun, or begun anew after a jump.
+
+        Velocities of what supports or motors carry along are no vibrations.
+        """
+        trials, modes, state = self._trials, self.modes, integrator.state
+        shapes, _ = self._shapes_at(state)
+        found = np.abs(shapes.T @ integrator.unbalanced().ravel()) / modes.omega
+        if not self.problem.supports.motions and not self.problem.joints.motions:
+            momenta = np.einsum("nij,nj->ni", self.mass, state.twist)
+            found = np.hypot(found, shapes.T @ momenta.ravel())
+        trials.starts.append(integrator.t)
+        trials.released.append(found / modes.omega)
+
+    def _shapes_at(self, state: State) -> tuple[Floats, Floats]:
+        """Return the shapes of vibrations and of rigid motions in a state."""
+        if not self.turning:
+            return self.modes.shapes, self.modes.rigid
+        if self._carried is None:
+            assert self._start is not None
+            self._carried = CarriedModes(self.modes, self.problem, self._start)
+        return self._carried.at(state)
 
     @property
     def trials(self) -> Trials:
@@ -246,9 +274,6 @@ class HalvedSteps:
         moving = np.stack([pose, whole.twist - better.twist, before, whole.twist], axis=1)
         momenta = np.einsum("nij,lknj->lkni", self.mass, moving).reshape(len(steps), 4, -1)
         momenta[:, :2] /= self.seen
-        if self.turning and self._carried is None:
-            assert self._start is not None
-            self._carried = CarriedModes(self.modes, self.problem, self._start)
         for step, moved, away in zip(steps, momenta, pose / self.seen, strict=True):
             self._take_apart(step.better.state, moved, away)
 
@@ -261,7 +286,7 @@ class HalvedSteps:
             away: error of the pose ``(n, 6)``.
         """
         trials, modes = self._trials, self.modes
-        shapes, still = (modes.shapes, modes.rigid) if self._carried is None else self._carried.at(better)
+        shapes, still = self._shapes_at(better)
         errors, rigid = momenta[:2] @ shapes, momenta @ still
         explained = (shapes @ errors[0] + still @ rigid[0]).reshape(away.shape)
         errors[1] /= modes.omega

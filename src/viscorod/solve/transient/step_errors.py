@@ -22,8 +22,8 @@ from viscorod.typing import Floats
 
 __all__ = ["StepErrors", "damped_by_steps"]
 
-MIXED = 0.75
-"""Power of their number with which errors add up that faster motions make: 1 of those in step, 1/2 of random ones."""
+MIXED = 0.5
+"""Power of their number with which errors add up that faster motions make: their signs are random."""
 RESOLVED = 4.0
 """Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
 SAFETY = 1.5
@@ -37,8 +37,6 @@ LEAST_FORCE = 1e-8
 of a body that falls freely carry nothing."""
 FINER = 3.0
 """Times that steps are shorter with which a motion is nearly free of their errors: a few thousandths are left."""
-MOST = 3.0
-"""Times their number for which steps around one that was tried again count at most."""
 
 
 @dataclass(frozen=True)
@@ -74,7 +72,8 @@ class StepErrors:
         if not trials.lengths:
             return None
         stands_for = _weights(trials, halved.power)
-        vibrating = _vibrations(halved, stands_for) * modes.shapes
+        lost = _lost(halved, stands_for)
+        vibrating = np.maximum(_vibrations(halved, stands_for), lost / SAFETY) * modes.shapes
         rigid = _rigid_motions(trials, stands_for, end) * modes.rigid
         apart = stands_for.max() if not len(modes.omega) else np.sqrt(stands_for.max())
         rest = (apart * trials.rest).reshape(-1, 1)
@@ -87,7 +86,8 @@ class StepErrors:
         stiff = trials.apart
         if not halved.strains:
             stiff = np.minimum(stiff, _largest_forces(squares[~followed]))
-        forces = FORCE_SAFETY * (forces + stiff)
+        released = _largest_forces(_squared_forces(_system_of(halved, problem), start, lost * modes.shapes))
+        forces = np.maximum(FORCE_SAFETY * (forces + stiff), released)
         round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
         loaded = np.maximum(trials.forces, round_off)
         return cls(gap, forces, trials.moved, loaded, problem.length)
@@ -136,11 +136,14 @@ def damped_by_steps(halved: HalvedSteps) -> StartModes:
 
 
 def _weights(trials: Trials, power: int) -> Floats:
-    """Return for how many steps of its length each of those that were tried again stands ``(j,)``."""
+    """Return for how many steps of its length each of those that were tried again stands ``(j,)``.
+
+    No more than there are: steps that are longer than their neighbours are so because less is wrong in them.
+    """
     count = len(trials.lengths)
     around = np.array([*trials.around[: count - 1], np.sum(trials.around[count - 1 :], axis=0)])
     alike = around[:, 1] / np.array(trials.lengths) ** power
-    return np.asarray(np.clip(alike, 1.0, MOST * around[:, 0]))
+    return np.asarray(np.clip(alike, 1.0, np.maximum(around[:, 0], 1.0)))
 
 
 def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
@@ -168,10 +171,32 @@ def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
     return largest
 
 
+def _lost(halved: HalvedSteps, stands_for: Floats) -> Floats:
+    """Return what steps make wrong of vibrations that jumps set off ``(k,)``: at most all that is left of them.
+
+    Steps that are longer than a vibration damp it, or keep it out of phase, before any is tried again.
+    """
+    trials, eigenvalues = halved.trials, halved.modes.eigenvalues
+    lengths, times = np.array(trials.lengths), np.array(trials.times)
+    every = np.outer(lengths, eigenvalues)
+    steps, exact = halved.run.stability(every.ravel()).reshape(every.shape), np.exp(every)
+    largest = np.zeros(len(eigenvalues))
+    for begun, released, until in zip(
+        trials.starts, trials.released, [*trials.starts[1:], np.inf], strict=True
+    ):
+        there, here = released.astype(complex), released.astype(complex)
+        for j in np.flatnonzero((times > begun) & (times - lengths < until)):
+            for n in np.unique(np.geomspace(1.0, max(stands_for[j], 1.0), 6).round()):
+                largest = np.maximum(largest, np.abs(there * exact[j] ** n - here * steps[j] ** n))
+            there, here = there * exact[j] ** stands_for[j], here * steps[j] ** stands_for[j]
+    return largest
+
+
 def _rigid_motions(trials: Trials, stands_for: Floats, end: float) -> Floats:
     """Return the error of each rigid motion at the end ``(m,)``.
 
-    A velocity drifts for the rest of the run. Where the energy of rigid motions comes and goes at a rate, as that of a
+    A velocity drifts for the rest of the run. Errors around one step that was tried again are alike, those around
+    others of any sign. Where the energy of rigid motions comes and goes at a rate, as that of a
     pendulum does, something holds them: an amplitude that is wrong then drifts in phase, by the root of that time.
     """
     first, last = np.array(trials.energies).T
@@ -181,7 +206,7 @@ def _rigid_motions(trials: Trials, stands_for: Floats, end: float) -> Floats:
     error = np.zeros(trials.rigid[0].shape[1])
     for t, (moved, velocity), count in zip(trials.times, trials.rigid, stands_for, strict=True):
         drifting = (end - t) / np.sqrt(max(1.0, rate * (end - t)))
-        error = error + count * (np.abs(moved) + np.abs(velocity) * drifting)
+        error = np.hypot(error, count * (np.abs(moved) + np.abs(velocity) * drifting))
     return error
 
 

@@ -357,6 +357,8 @@ class Transient:
         """
         kinetic, elastic = self.integrator.kinetic, self.integrator.elastic
         self.integrator.start(t, self.integrator.state)
+        if self.halved is not None:
+            self.halved.release(self.integrator)
         self.account.external += self.integrator.kinetic - kinetic
         self.account.kinetic = self.integrator.kinetic
         if self.problem.rest_strains:

@@ -85,6 +85,10 @@ class Collocation(StageModel):
         self._rate = 1.0
         self._have_jacobian, self._fresh_jacobian = False, OLD
 
+    def unbalanced(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._force
+
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return first_time_step(

@@ -126,6 +126,9 @@ class Integrator(Protocol):
     def strain(self) -> float:
         """Largest shear or stretch at ``t``."""
 
+    def unbalanced(self) -> Floats:
+        """Return what accelerates the nodes at ``t``, where it has just started ``(n, 6)``, body axes."""
+
     def first_step(self, duration: float) -> float:
         """Return a step [s] to begin with at ``t`` when steps follow the error."""
 

@@ -87,6 +87,12 @@ class GeneralizedAlpha(MomentumModel):
         force = self.system.external - self.system.internal
         return first_time_step(problem.mass, force, self.state.twist, held, problem.length, duration)
 
+    def unbalanced(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        turning = np.zeros_like(self.state.twist)
+        inertia.add_coriolis(self.system.problem.mass, self.state.twist, turning)
+        return np.asarray(self.system.external - self.system.internal - turning)
+
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         self._end = end

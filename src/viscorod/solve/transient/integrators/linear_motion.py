@@ -103,19 +103,19 @@ class LinearMotion:
             self._now[1] = self.body.allowed(self._now[1])
         self._load = self.body.loads(t, False)
         self.evaluations += 1
-        self._set_state(self._now, self.body.acceleration(self._imbalance().ravel()))
+        self._set_state(self._now, self.body.acceleration(self.unbalanced().ravel()))
         if self.tolerance is not None:
-            self.tolerance.begin(t, self.state, self._imbalance())
+            self.tolerance.begin(t, self.state, self.unbalanced())
 
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         body = self.body.body
         return first_time_step(
-            body.mass, self._imbalance(), self.state.twist, body.held, body.length, duration
+            body.mass, self.unbalanced(), self.state.twist, body.held, body.length, duration
         )
 
-    def _imbalance(self) -> Floats:
-        """Return what accelerates the nodes ``(n, 6)``."""
+    def unbalanced(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return (self._load - self._internal_now()).reshape(-1, 6)
 
     def _internal_now(self) -> Floats:
