@@ -123,6 +123,13 @@ def _number(value: Any) -> float | None:
 def numbers(name: str, value: Any) -> Any:
     """Return a finite number, or a list of them, as it was given."""
     value = _in_si(name, value)
+    if (
+        isinstance(value, np.ndarray)
+        and value.ndim == 1
+        and value.dtype.kind in "iuf"
+        and np.isfinite(value).all()
+    ):
+        return value
     items = np.asarray(value).tolist() if hasattr(value, "__array__") else value
     if isinstance(items, str | bytes) or not isinstance(items, Sequence):
         return number(name, items)

@@ -21,7 +21,7 @@ from viscorod.records.sine_noise import FitNoise, colour_gain
 from viscorod.solve.estimation.noise import SeriesNoise, ljung_box
 from viscorod.typing import Floats
 
-__all__ = ["SineFit", "fit_sines", "pencil_poles", "residual_peak"]
+__all__ = ["SineFit", "fit_sines", "pencil_poles", "residual_peak", "taken_off"]
 
 MOST_SAMPLES = 3000
 """Samples that the matrix pencil sees."""
@@ -29,6 +29,8 @@ PENCIL = 150
 """Columns of its Hankel matrix at most."""
 POWERS = {"sloping": 1, "curved": 3}
 """Highest powers of time of a rest that drifts."""
+SLOW, QUICK = (0.5, 2.0, 6.0, 20.0), (6.0, 20.0, 60.0, 200.0)
+"""Decay rates over the span of the samples that are tried for the peak of a spectrum, and those of falling windows."""
 LEVEL = 1e-3
 """Probability with which white noise is called correlated."""
 
@@ -272,17 +274,30 @@ def pencil_poles(times: Floats, values: Floats, count: int) -> np.ndarray:
 
 
 def residual_peak(times: Floats, residual: Floats) -> complex:
-    """Return the pole of the highest peak of a residual's spectrum, with the damping that fits it best of a few."""
+    """Return the pole of the damped sine that takes most off a residual, of the peaks of a few spectra.
+
+    Windows that fall from the start on see what dies out early, which one that begins at zero does not.
+    """
     t = times - times[0]
     span = float(t[-1])
-    even = np.interp(np.linspace(0.0, span, len(t)), t, residual)
-    spectrum = np.abs(np.fft.rfft(even * np.hanning(len(t)), 4 * len(t)))
-    spectrum[:5] = 0.0
-    omega = 2.0 * np.pi * float(np.fft.rfftfreq(4 * len(t), span / (len(t) - 1))[int(np.argmax(spectrum))])
-    gains = []
-    rates = np.array([0.5, 2.0, 6.0, 20.0]) / span
-    for sigma in rates:
-        wave = np.exp((-sigma + 1j * omega) * t)
-        pair = np.linalg.qr(np.column_stack([wave.real, wave.imag]))[0]
-        gains.append(float(np.sum((pair.T @ residual) ** 2)))
-    return complex(-rates[int(np.argmax(gains))], omega)
+    part = np.linspace(0.0, 1.0, len(t))
+    even = np.interp(part * span, t, residual)
+    hertz = np.fft.rfftfreq(4 * len(t), span / (len(t) - 1))
+    best, most = 1j, -1.0
+    for window, rates in [(np.hanning(len(t)), SLOW), *((np.exp(-rate * part), (rate,)) for rate in QUICK)]:
+        spectrum = np.abs(np.fft.rfft(even * window, 4 * len(t)))
+        spectrum[:5] = 0.0
+        omega = 2.0 * np.pi * float(hertz[int(np.argmax(spectrum))])
+        for rate in rates:
+            pole = complex(-rate / span, omega)
+            taken = taken_off(pole, t, residual)
+            if taken > most:
+                best, most = pole, taken
+    return best
+
+
+def taken_off(pole: complex, t: Floats, residual: Floats) -> float:
+    """Return the squares that a damped sine takes off a residual, t from its first sample on."""
+    wave = np.exp(pole * t)
+    pair = np.linalg.qr(np.column_stack([wave.real, wave.imag]))[0]
+    return float(np.sum((pair.T @ residual) ** 2))

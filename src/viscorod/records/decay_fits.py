@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.records.coarse_samples import Coarse
 from viscorod.records.damped_sines import SineFit, fit_sines, pencil_poles, residual_peak
 from viscorod.typing import Floats
 
@@ -17,7 +18,25 @@ FAINT = 1e-7
 
 
 def best_fit(times: Floats, values: Floats, modes: int | None) -> SineFit | None:
-    """Return the fit with the number of modes and the rest that Bayes' criterion prefers."""
+    """Return the fit with the number of modes and the rest that Bayes' criterion prefers.
+
+    Of long records both are chosen by means over blocks of samples, which have the same poles; the fit is one of all
+    samples.
+    """
+    coarse = Coarse.of(times, values)
+    while coarse is not None:
+        chosen = _chosen(coarse.times, coarse.values, modes)
+        fit = None if chosen is None else fit_sines(times, values, chosen.poles, chosen.resting)
+        if fit is None or not (modes is not None or _sensible(fit, 0.0)):
+            break
+        finer = coarse.for_what_is_left(fit)
+        if finer is coarse:
+            return fit
+        coarse = finer
+    return _chosen(times, values, modes)
+
+
+def _chosen(times: Floats, values: Floats, modes: int | None) -> SineFit | None:
     best: SineFit | None = None
     last: SineFit | None = None
     for count in range(1, MOST_MODES + 1) if modes is None else (modes,):
@@ -44,7 +63,7 @@ def _starts(times: Floats, values: Floats, count: int, last: SineFit | None) -> 
     elif count == 1:
         starts.append(np.array([residual_peak(times, values - values.mean())]))
     else:
-        fewer = best_fit(times, values, count - 1)
+        fewer = _chosen(times, values, count - 1)
         if fewer is not None:
             starts.append(np.append(fewer.poles, residual_peak(times, fewer.residual)))
     return starts
