@@ -10,6 +10,7 @@ import pytest
 import viscorod as vr
 from helpers.strip import content
 from viscorod.analyses.sweeps import executors
+from viscorod.analyses.sweeps.executors import opened
 from viscorod.casefile.case import case_from_dict
 
 distributed = pytest.importorskip("distributed")
@@ -41,6 +42,20 @@ def test_a_worker_of_dask_that_is_killed_loses_nothing(tmp_path):
     names = [json.loads(line)["name"] for line in lines.splitlines() if line]
     assert set(table["outcome"]) == {"completed"}
     assert len(set(names)) == 8
+
+
+@pytest.mark.slow
+@pytest.mark.skipif(not hasattr(signal, "pthread_sigmask"), reason="this system has no masks of signals")
+@pytest.mark.filterwarnings("ignore")
+def test_ctrl_c_is_nothing_to_workers_of_this_machine():
+    """A terminal sends it to all processes; those of the client's own cluster wait for what the client says."""
+    with opened("dask") as executor:
+        pids = executor._client.run(os.getpid)
+        for pid in pids.values():
+            os.kill(pid, signal.SIGINT)
+        assert executor.submit(abs, -3).result() == 3
+        assert set(executor._client.run(os.getpid).values()) == set(pids.values())
+    assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 
 
 @pytest.mark.parametrize(

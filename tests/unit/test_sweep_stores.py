@@ -13,7 +13,7 @@ from helpers.strip import content
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli import sweep_command
 from viscorod.cli.app import app
-from viscorod.results.files import parquet, sweep_store
+from viscorod.results.files import parquet, store_regions, sweep_store
 from viscorod.results.sweep_result import Sweep
 
 SHEAR = "materials.rubber.damping.shear_time"
@@ -188,7 +188,7 @@ def test_a_table_of_something_else_is_refused(tmp_path):
 
 
 def test_missing_packages_are_one_message(sweep, tmp_path, monkeypatch):
-    monkeypatch.setattr(sweep_store, "find_spec", lambda _: None)
+    monkeypatch.setattr(store_regions, "find_spec", lambda _: None)
     with pytest.raises(vr.InputError, match=r"pip install 'viscorod\[store\]'"):
         sweep.save(tmp_path / "sweep.zarr")
     monkeypatch.setattr(parquet, "import_module", lambda name: (_ for _ in ()).throw(ImportError(name)))

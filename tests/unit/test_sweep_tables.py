@@ -6,6 +6,7 @@ import json
 import math
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
+from importlib import import_module
 
 import numpy as np
 import pandas as pd
@@ -343,6 +344,24 @@ def test_threads_give_the_same_bits(swing, tmp_path):
     assert done[-1] == 5.0
 
 
+def test_a_task_that_its_engine_gave_up_is_not_tried_again(swing):
+    """Dask tells of a worker that was lost after four of them; members of larger batches have another try."""
+    kind = type("KilledWorker", (Exception,), {})
+
+    class Giving(Losing):
+        def submit(self, work, jobs):
+            future = super().submit(work, jobs)
+            if future.exception() is not None:
+                future = Future()
+                future.set_exception(kind("on 4 workers"))
+            return future
+
+    executor = Giving(after=False)
+    table = vr.sweep(swing, {SHEAR: [0.02]}, executor=executor, quantities={"tip": TIP}).table()
+    assert executor.lost == 1
+    assert table["message"][0] == "its worker was lost 3 times (KilledWorker: on 4 workers)"
+
+
 class Losing(Executor):
     """Loses the worker of one member, before it computes or after that; all else is computed at once."""
 
@@ -568,6 +587,31 @@ def test_functions_count_with_what_they_take_from_around_them(held, tmp_path):
     assert [value / found[0] for value in found] == pytest.approx([1.0, 2.0, 3.0, 4.0], rel=1e-12)
     assert function_record(times_tip(2.0)) == function_record(times_tip(2.0))
     assert function_record(sum) != function_record(max)  # which have no source
+
+
+def test_wrong_values_among_many_members_are_found_before_any_is_computed(held, monkeypatch):
+    """Those that are not looked at one by one: the least and the largest of every key are."""
+    monkeypatch.setattr(import_module("viscorod.analyses.sweep"), "LOOKED_AT", 4)
+    widths = [0.01] * 20
+    given = {"quantities": {"tip": TIP}, "workers": 1, "errors": 0}
+    for wrong, text in ((-0.01, "-0.01"), (math.nan, "nan"), ("-3 mm", "-0.003")):
+        changed = [*widths[:11], wrong, *widths[12:]]
+        with pytest.raises(vr.InputError, match=rf"sections.thin.width: {text}.*member 11"):
+            vr.sweep(held, {"sections.thin.width": changed, FORCE: [1e-4] * 20}, **given)
+    changed = [*widths[:11], "wide", *widths[12:]]
+    table = vr.sweep(held, {"sections.thin.width": changed}, **given).table()
+    assert table["outcome"].tolist() == ["completed"] * 11 + ["refused"] + ["completed"] * 8
+
+
+def test_histories_are_numbers_in_memory():
+    """A history of 201 values takes their bytes, not those of objects."""
+    found = FoundMembers(2, ())
+    found[0] = None, "", "completed", {"path": [0.5 * k for k in range(201)]}, {}
+    assert found.history(0, "path").nbytes == 201 * 8
+    assert found[0][3] == {"path": [0.5 * k for k in range(201)]}
+    assert found.history(1, "path") is None
+    assert found.completed().tolist() == [True, False]
+    assert found.with_results() == []
 
 
 def test_what_cannot_be_kept_is_no_finished_member(held, tmp_path, monkeypatch):

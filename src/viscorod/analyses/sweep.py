@@ -29,6 +29,7 @@ from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, quantities_of
 from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
 from viscorod.results.sweep_result import Sweep
+from viscorod.results.values_in_si import in_si
 
 __all__ = ["sweep"]
 
@@ -89,7 +90,8 @@ def sweep(
 
     Raises:
         InputError: a key, a value or a quantity is wrong; nothing has been computed. Of more than 2000 members only the
-            first that are due are looked at before; wrong ones among the others have the outcome "refused".
+            first that are due and those with the least and the largest number of every key are looked at before; wrong
+            ones among the others have the outcome "refused".
         SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
     """
     if isinstance(case, ModelDescription):
@@ -119,7 +121,8 @@ def sweep(
     chosen = _chosen(len(rows), members)
     due = [k for k in chosen if k not in found]
     # what is there already was looked at before
-    notes = checked(case, {k: rows[k] for k in dict.fromkeys([0, *due[:LOOKED_AT]])}, wanted, keep)
+    some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])
+    notes = checked(case, {k: rows[k] for k in some}, wanted, keep)
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     if store is not None:
@@ -170,6 +173,16 @@ class _Jobs(Sequence[tuple[Row, str, bool]]):
 
     def __getitem__(self, at: Any) -> Any:
         return self._rows[at], self._names[at] if self._names else "", at in self._looked
+
+
+def _extremes(rows: Rows, numbers: Sequence[int]) -> list[int]:
+    """Return which of some members have the least and the largest number of a key: those are wrong where any is."""
+    found = []
+    for column in rows.columns.values() if numbers else ():
+        of_some = in_si([column[k] for k in numbers])
+        if {type(value) for value in of_some} <= {int, float}:
+            found += [numbers[int(np.argmin(of_some))], numbers[int(np.argmax(of_some))]]
+    return found
 
 
 def _chosen(count: int, members: slice | None) -> range:

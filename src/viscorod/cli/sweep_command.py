@@ -169,7 +169,8 @@ def sweep(
             except SolveError as error:
                 complain(f"error: {error}")
                 result = error.run
-            told(result, write(result, folder, alone=not array_job))
+            engine = executor_of(executor, scheduler), workers
+            told(result, [folder / "sweep"] if array_job else write(result, folder, engine))
         left_out = ("not run",) if array_job else ()
         if any(member.outcome not in left_out for member in result.failed):
             raise typer.Exit(1)
@@ -188,10 +189,13 @@ def executor_of(executor: str | None, scheduler: str | None) -> str | None:
     return f"dask:{scheduler}"
 
 
-def write(result: Sweep, folder: Path, *, alone: bool = True) -> list[Path]:
-    """Write a sweep, and its table if it has quantities; an array job leaves both to whoever has all members."""
-    if not alone:
-        return [folder / "sweep"]
+def write(result: Sweep, folder: Path, engine: tuple[str | None, int | None]) -> list[Path]:
+    """Write a sweep, and its table if it has quantities; a store is written by what computed the members.
+
+    Args:
+        result: with all members; folder: for the files.
+        engine: executor and number of workers.
+    """
     written = []
     if result.quantities:
         path = folder / "sweep.csv"
@@ -201,4 +205,9 @@ def write(result: Sweep, folder: Path, *, alone: bool = True) -> list[Path]:
         return [result.save(folder / "sweep.nc"), *written]
     if find_spec("pyarrow") is None or find_spec("zarr") is None:
         return [folder / "sweep", *written]
-    return [result.save(folder / ("sweep.zarr" if result.members.kept() else "sweep.parquet")), *written]
+    if not result.members.kept():
+        return [result.save(folder / "sweep.parquet"), *written]
+    from viscorod.analyses.sweeps.executors import engine as opened
+
+    with opened(*engine) as workers:
+        return [result.save(folder / "sweep.zarr", executor=workers), *written]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
@@ -13,7 +14,7 @@ from viscorod.results.data_schema import DIMENSION
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["ALONG", "along_members", "difference", "plain", "stacked", "unstacked"]
+__all__ = ["ALONG", "along_members", "difference", "layout_of", "plain", "stacked", "unstacked"]
 
 ALONG = DIMENSION | {
     "response": "frequency",
@@ -43,10 +44,27 @@ def difference(one: xr.Dataset, other: xr.Dataset) -> str:
     for name in one.variables:
         first = one.variables[name]  # arrays of a data set have coordinates, which take longer to find
         a, b = first.values, other.variables[name].values
-        fixed = name in one.dims or a.dtype.kind not in "fi"
-        if a.shape != b.shape or (fixed and not np.array_equal(a, b)):
+        if a.shape != b.shape or (_fixed(one, name, a) and not np.array_equal(a, b)):
             return f"their {_LEVELS.get(along if along in first.dims else '', f'values of {name}')} differ"
     return ""
+
+
+def _fixed(data: xr.Dataset, name: Any, values: np.ndarray) -> bool:
+    """Return whether a variable is the same in all results that are stacked: axes and words are."""
+    return name in data.dims or values.dtype.kind not in "fi"
+
+
+def layout_of(data: xr.Dataset) -> str:
+    """Return sixteen letters that results share between which there is no `difference`."""
+    digest = hashlib.blake2b(str(data.attrs["kind"]).encode(), digest_size=8)
+    for name in sorted(map(str, data.variables)):
+        values = data.variables[name].values
+        digest.update(f"\n{name} {values.shape}".encode())
+        if not _fixed(data, name, values):
+            continue
+        numbers = values.dtype.kind in "fiub"
+        digest.update((values + 0.0).tobytes() if numbers else "\0".join(map(str, values.flat)).encode())
+    return digest.hexdigest()
 
 
 def stacked(results: Sequence[xr.Dataset]) -> tuple[dict[str, Any], dict[str, Any]]:

@@ -1,4 +1,7 @@
-"""The members of a sweep, kept as columns: a million of them take some hundred bytes each."""
+"""The members of a sweep, kept as columns: a million of them take some hundred bytes each.
+
+Whole results that are on disk are read when they are asked for, and the last few stay.
+"""
 
 from __future__ import annotations
 
@@ -16,6 +19,8 @@ from viscorod.results.sweep_figures import figures_of
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from viscorod.results.any_result import AnyResult
 
     Stored: TypeAlias = AnyResult | Path | Callable[[], AnyResult] | None
@@ -28,6 +33,8 @@ NOT_RUN = "not run"
 Found: TypeAlias = tuple[Any, ...]
 """What is known of a member: its result or its file or None, message, outcome, quantities, figures."""
 NOTHING: Found = (None, "", NOT_RUN, {}, {})
+READ = 16
+"""Members read from disk that stay in memory."""
 
 
 class Stack(Protocol):
@@ -126,7 +133,7 @@ class FoundMembers(MutableMapping[int, Found]):
             {name: np.full(count, np.nan) for name in names},
             {},
         )
-        self._histories: dict[int, dict[str, list[float]]] = {}
+        self._histories: dict[int, dict[str, Floats]] = {}
         self._known = 0
 
     def __len__(self) -> int:
@@ -148,7 +155,11 @@ class FoundMembers(MutableMapping[int, Found]):
             notes.pop(number, None)
             if note is not None and note != "":
                 notes[number] = note
-        histories = {name: value for name, value in quantities.items() if isinstance(value, list)}
+        histories = {
+            name: np.array(value, dtype=float)
+            for name, value in quantities.items()
+            if isinstance(value, list)
+        }
         self._histories.pop(number, None)
         if histories:
             self._histories[number] = histories
@@ -178,13 +189,28 @@ class FoundMembers(MutableMapping[int, Found]):
             self._stored.get(number),
             self._messages.get(number, ""),
             self._outcomes[self._outcome[number]],
-            quantities | self._histories.get(number, {}),
+            quantities | {name: value.tolist() for name, value in self._histories.get(number, {}).items()},
             measured,
         )
 
     def outcomes(self) -> list[str]:
         """Return the outcomes of all members."""
         return [self._outcomes[max(0, code)] for code in self._outcome.tolist()]
+
+    def completed(self) -> np.ndarray:
+        """Return which members were computed to their end ``(members,)``."""
+        if COMPLETED not in self._outcomes:
+            return np.zeros(len(self._outcome), dtype=bool)
+        return np.asarray(self._outcome == self._outcomes.index(COMPLETED))
+
+    def with_results(self) -> list[int]:
+        """Return the numbers of the members whose whole results are kept, in order."""
+        return sorted(self._stored)
+
+    def stored(self, number: int) -> Stored:
+        """Return the whole result of a member, or where it is; None if it is not kept."""
+        found: Stored = self._stored.get(number)
+        return found
 
     def told(self) -> dict[int, str]:
         """Return the messages, by member, in order."""
@@ -200,7 +226,7 @@ class FoundMembers(MutableMapping[int, Found]):
         """Figures in such columns; of results that are kept they are read from these."""
         return self._numbers[1]
 
-    def history(self, number: int, name: str) -> list[float] | None:
+    def history(self, number: int, name: str) -> Floats | None:
         """Return a history of a member, if it has it."""
         return self._histories.get(number, {}).get(name)
 
@@ -222,6 +248,7 @@ class SweepMembers(Sequence[SweepRun]):
         self.rows, self.found = rows, found
         self.stack: Stack | None = None
         self._kept: dict[int, SweepRun] = {}
+        self._read: dict[int, SweepRun] = {}
 
     @classmethod
     def of(cls, members: Iterable[SweepRun], names: Iterable[str] = ()) -> SweepMembers:
@@ -247,14 +274,24 @@ class SweepMembers(Sequence[SweepRun]):
         k = range(len(self))[at]
         if k in self._kept:
             return self._kept[k]
-        member = SweepRun(k, self.rows[k], *self.found.get(k, NOTHING))
-        if member.stored is not None:  # it reads its result once
+        member = self._read.pop(k, None) or SweepRun(k, self.rows[k], *self.found.get(k, NOTHING))
+        if isinstance(member.stored, Path) or callable(member.stored):
+            self._read[k] = member  # the last one is read last
+            if len(self._read) > READ:
+                del self._read[next(iter(self._read))]
+        elif member.stored is not None:
             self._kept[k] = member
         return member
 
-    def result(self, number: int) -> AnyResult | None:
-        """Return the whole result of a member, which is not kept in memory beyond that."""
-        return opened(self.found.get(number, NOTHING)[0])
+    def stored(self, number: int) -> Stored:
+        """Return the whole result of a member, or where it is; None if it is not kept."""
+        return self.found.stored(number)
+
+    def data(self, number: int) -> xr.Dataset:
+        """Return the data set of the whole result of a member that is kept, which does not stay in memory."""
+        result = opened(self.stored(number))
+        assert result is not None
+        return result.data
 
     def kept(self) -> bool:
         """Return whether any whole result is kept."""

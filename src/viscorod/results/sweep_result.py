@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from concurrent.futures import Executor
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -12,12 +13,13 @@ import numpy as np
 from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
+from viscorod.results.alike_members import differing
 from viscorod.results.files.storage import write
 from viscorod.results.quantity_values import HISTORY_TIMES
-from viscorod.results.stacked_members import along_members, difference, stacked
+from viscorod.results.stacked_members import along_members, stacked
 from viscorod.results.sweep_figures import FIGURES, shown
-from viscorod.results.sweep_members import COMPLETED, NOT_RUN, SweepMembers, SweepRun
+from viscorod.results.sweep_members import NOT_RUN, SweepMembers, SweepRun
 from viscorod.results.sweep_record import members_of, record_of
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
@@ -104,7 +106,7 @@ class Sweep(WellNamed, Shown, Alike):
     @property
     def count_completed(self) -> int:
         """How many members were computed to their end."""
-        return self.members.found.outcomes().count(COMPLETED)
+        return int(self.members.found.completed().sum())
 
     @property
     def failed(self) -> tuple[SweepRun, ...]:
@@ -118,8 +120,7 @@ class Sweep(WellNamed, Shown, Alike):
             return ""
         if self.members.stack is not None:
             return self.members.stack.separate
-        results = [member.result.data for member in self.completed if member.result is not None]
-        return next((text for other in results[1:] if (text := difference(results[0], other))), "")
+        return next(iter(differing(self.members).values()), "")
 
     @property
     def quantities(self) -> tuple[str, ...]:
@@ -151,10 +152,12 @@ class Sweep(WellNamed, Shown, Alike):
     def _figures(self) -> dict[str, Floats]:
         """Return the figures of all members in columns, in their order; NaN where a member has none."""
         columns = {name: column.copy() for name, column in self.members.found.measured.items()}
-        if self.members.kept():
-            for member in self.members:
-                for name, value in member.figures().items() if not member.measured else ():
-                    columns.setdefault(name, np.full(len(self.members), np.nan))[member.number] = value
+        known = np.zeros(len(self.members), dtype=bool)
+        for column in columns.values():
+            known |= np.isfinite(column)
+        for k in self.members.found.with_results():
+            for name, value in self.members[k].figures().items() if not known[k] else ():
+                columns.setdefault(name, np.full(len(self.members), np.nan))[k] = value
         return {name: columns[name] for name in FIGURES if name in columns}
 
     @cached_property
@@ -168,14 +171,14 @@ class Sweep(WellNamed, Shown, Alike):
         """
         import xarray as xr
 
-        kept, known = self.completed, self.members.found
-        numbers = np.array([member.number for member in kept], dtype=np.int64)
+        known = self.members.found
+        numbers = np.flatnonzero(known.completed()).astype(np.int64)
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {"member": numbers}
         for name, column in self.members.rows.columns.items():
             coordinates[name] = ("member", along_members([column[k] for k in numbers]))
         for name, values in self._figures().items():
-            if kept and not np.isnan(values[numbers]).any():
+            if len(numbers) and not np.isnan(values[numbers]).any():
                 attributes = {"units": FIGURES[name].unit, "long_name": FIGURES[name].words}
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", values[numbers].astype(dtype), attributes)
@@ -184,15 +187,15 @@ class Sweep(WellNamed, Shown, Alike):
                 if not np.isnan(known.quantities[name][numbers]).any():
                     variables[name] = ("member", known.quantities[name][numbers], {"long_name": name})
                 continue
-            found = [member.quantities[name] for member in kept if name in member.quantities]
-            if len(found) == len(kept):
+            found = [known.history(k, name) for k in numbers.tolist()]
+            if all(history is not None for history in found):
                 variables[name] = (("member", "instant"), np.array(found, dtype=float), {"long_name": name})
                 coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
-        if kept and self.members.kept() and not self.separate:
+        if len(numbers) and self.members.kept() and not self.separate:
             if self.members.stack is not None:
                 fields, axes = self.members.stack.parts()
-            elif all(member.result is not None for member in kept):
-                fields, axes = stacked([member.result.data for member in kept if member.result is not None])
+            elif set(numbers.tolist()) <= set(known.with_results()):
+                fields, axes = stacked([self.members.data(k) for k in numbers.tolist()])
             else:
                 fields, axes = {}, {}
             variables = fields | variables
@@ -276,19 +279,30 @@ class Sweep(WellNamed, Shown, Alike):
         return delivered(draw_sweep(self, name, x, ax), path)
 
     @checked
-    def save(self, path: str | Path) -> Path:
+    def save(self, path: str | Path, *, executor: Executor | None = None) -> Path:
         """Write one file, for ``viscorod.load`` and any tool of its kind; returns the path.
 
         By default it is a netCDF4 file. Its root is ``data``; results that are not in there (of members that failed or
         differ) are groups ``member_0``, ``member_1``, ... All of it passes through memory.
 
         A path that ends in ``.parquet`` becomes the table, without whole results; one that ends in ``.zarr`` a store of
-        all whole results with the table in it, for large sweeps: it is written and read member by member. Both need
-        ``pip install 'viscorod[store]'``.
+        all whole results with the table in it, for large sweeps: it is written and read a block of members at a time.
+        Both need ``pip install 'viscorod[store]'``.
+
+        Args:
+            path: of the file; its suffix gives the format.
+            executor: one of ``concurrent.futures``, whose workers write the arrays of a store: each reads its members
+                from the folder of the sweep, which all of them see, and writes them to pieces of their own.
 
         Raises:
             InputError: the place cannot be written, or a package is missing.
         """
+        if executor is not None and not (Path(path).suffix == ".zarr" and hasattr(executor, "submit")):
+            why = (
+                "the executor that writes a store" if Path(path).suffix == ".zarr" else "only a store has one"
+            )
+            instead = "give one of concurrent.futures with a path that ends in .zarr, or none"
+            raise InputError(Fault("executor", type(executor).__name__, why, instead))
         if Path(path).suffix == ".parquet":
             from viscorod.results.files.sweep_table import write_table
 
@@ -296,7 +310,7 @@ class Sweep(WellNamed, Shown, Alike):
         if Path(path).suffix == ".zarr":
             from viscorod.results.files.sweep_store import write_store
 
-            return write_store(self, path)
+            return write_store(self, path, executor)
         groups = {
             f"member_{member.number}": member.result.data
             for member in self.members

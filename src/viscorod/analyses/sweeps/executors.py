@@ -16,19 +16,28 @@ import threading
 import time
 from collections import Counter, deque
 from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
-from concurrent.futures import FIRST_COMPLETED, BrokenExecutor, Executor, Future, ThreadPoolExecutor, wait
+from concurrent.futures import (
+    FIRST_COMPLETED,
+    BrokenExecutor,
+    Executor,
+    Future,
+    ProcessPoolExecutor,
+    ThreadPoolExecutor,
+    wait,
+)
 from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeAlias
 
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweeps.little_garbage import little_garbage
+from viscorod.analyses.sweeps.process_start import context, one_thread_each, without_keyboard
 from viscorod.analyses.sweeps.processes import FAILED, TRIES, UNTOUCHED, Work
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 from viscorod.results.sweep_members import Found
 
-__all__ = ["Recover", "opened", "processes_of", "through"]
+__all__ = ["Recover", "engine", "opened", "processes_of", "through"]
 
 Recover: TypeAlias = Callable[[Sequence[int]], Mapping[int, Found]]
 """Returns what members left on disk before their worker was lost."""
@@ -75,6 +84,24 @@ def _count(text: str) -> int | None:
 
 
 @contextmanager
+def engine(executor: Any, workers: int | None) -> Iterator[Executor | None]:
+    """Yield what computes the members of a sweep as an executor, for more work on them; None for this process alone.
+
+    Raises:
+        InputError: it is no executor.
+    """
+    count = processes_of(executor, workers)
+    if count is None:
+        with opened(executor) as found:
+            yield found
+    elif count == 1:
+        yield None
+    else:
+        with one_thread_each(), ProcessPoolExecutor(count, mp_context=context()) as pool:
+            yield pool
+
+
+@contextmanager
 def opened(executor: Any) -> Iterator[Executor]:
     """Yield the executor of a text, shut down at the end; one that is there already stays as it is.
 
@@ -96,7 +123,8 @@ def opened(executor: Any) -> Iterator[Executor]:
         raise InputError(Fault("executor", executor, why, "pip install 'viscorod[cluster]'")) from None
     if rest:
         _require_scheduler(distributed, rest)
-    client = distributed.Client(rest) if rest else distributed.Client()
+    with without_keyboard():  # Ctrl-C is for the client; workers of this machine end with it
+        client = distributed.Client(rest) if rest else distributed.Client()
     with client, client.get_executor() as found:
         if not client.nthreads():
             logging.getLogger("viscorod").warning(
@@ -239,22 +267,25 @@ class _Tasks:
             except BrokenExecutor:
                 raise
             except Exception as error:  # a worker was lost, or what it sent cannot be read
-                self._lost(batch, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}")
+                # Dask has tried a task on several workers before it says so
+                tried = TRIES if type(error).__name__ == "KilledWorker" and len(batch) == 1 else 1
+                self._lost(batch, f"{type(error).__name__}: {' '.join(str(error).split())[:200]}", tried)
             else:
                 self.found.update(zip(batch, results, strict=True))
                 self._seconds, self._done = self._seconds + seconds, self._done + len(batch)
             del self.running[future]
 
-    def _lost(self, batch: Sequence[int], why: str) -> None:
+    def _lost(self, batch: Sequence[int], why: str, tried: int) -> None:
+        """Take what a batch left on disk, and try its other members again, by themselves, unless that was enough."""
         self.found.update(self._recover(batch))
         for member in batch:
             if member in self.found:
                 continue
-            self._tries[member] += 1
+            self._tries[member] += tried
             if self._tries[member] < TRIES:
                 self._apart.append(member)
             else:
-                self.found[member] = None, f"its worker was lost {TRIES} times ({why})", FAILED
+                self.found[member] = None, f"its worker was lost {self._tries[member]} times ({why})", FAILED
 
     def cancel(self) -> None:
         """Take back what has not begun."""

@@ -15,7 +15,7 @@ from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from typing import Any
 
-__all__ = ["context", "one_thread_each", "prepare"]
+__all__ = ["context", "one_thread_each", "prepare", "without_keyboard"]
 
 THREADS = ("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS", "NUMBA_NUM_THREADS")
 COPIED = sys.platform == "linux"
@@ -42,7 +42,10 @@ def prepare() -> None:
 
 @contextmanager
 def without_keyboard() -> Iterator[None]:
-    """Let processes that start here take no notice of Ctrl-C, which reaches all of a terminal; the client ends them."""
+    """Let processes and threads that start here take no notice of Ctrl-C, which reaches all of a terminal."""
+    if not hasattr(signal, "pthread_sigmask"):  # Windows
+        yield
+        return
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
         yield

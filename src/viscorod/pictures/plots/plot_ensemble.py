@@ -77,32 +77,19 @@ def draw_fan(found: Ensemble, name: str | None = None, ax: Axes | None = None) -
     Raises:
         InputError: there is no such history.
     """
-    if name is None:
-        listed = (
-            key
-            for member in found.members
-            for key, value in member.quantities.items()
-            if isinstance(value, list)
-        )
-        name = next(listed, "no quantity")
-    histories = [
-        member.quantities[name] for member in found.members if isinstance(member.quantities.get(name), list)
-    ]
-    if found.design.indices:  # the other rows are no independent samples
-        width = len(found.design.keys) + 2
-        histories = [
-            member.quantities[name]
-            for member in found.members
-            if member.number % width < 2 and isinstance(member.quantities.get(name), list)
-        ]
-    if not histories:
+    known = found.members.found
+    name = next(iter(known.histories), "no quantity") if name is None else name
+    # the other rows of an ensemble with indices are no independent samples
+    width = len(found.design.keys) + 2 if found.design.indices else 1
+    histories = [known.history(k, name) for k in range(len(found.members)) if width == 1 or k % width < 2]
+    values = np.array([history for history in histories if history is not None])
+    if not len(values):
         raise InputError(
             f'{name} is no history; ask for one with ("displacement", "beam.end", "y", "history")'
         )
-    values = np.array(histories)
     low, inner_low, middle, inner_high, high = np.quantile(values, LEVELS, axis=0)
-    ends = {member.measured.get("time_reached", 0.0) for member in found.completed}
-    end = ends.pop() if len(ends) == 1 else 0.0
+    reached = known.measured.get("time_reached", np.zeros(len(found.members)))[known.completed()]
+    end = float(reached[0]) if len(reached) and (reached == reached[0]).all() else 0.0
     part = np.linspace(0.0, end or 1.0, values.shape[1])
     picture = _titled(found, 10.0, 4.8) if ax is None else within(ax)
     axes = ax or picture.add_subplot()

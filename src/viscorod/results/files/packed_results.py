@@ -19,7 +19,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.files.storage import result_of
-from viscorod.results.stacked_members import plain
+from viscorod.results.stacked_members import layout_of, plain
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -32,18 +32,20 @@ ABOUT, ARRAY = "about", "array/"
 """Entries of the archive: JSON, and the arrays by their names."""
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, slots=True)
 class PackedResult:
     """The whole result of a member, where it lies; a call reads it.
 
     Attributes:
         path: of the file of its writer.
         offset, length: bytes of it.
+        layout: what it shares with the results on which it can be stacked (``layout_of``); empty if that is not known.
     """
 
     path: Path
     offset: int
     length: int
+    layout: str = ""
 
     @property
     def there(self) -> bool:
@@ -59,10 +61,18 @@ class PackedResult:
         Raises:
             InputError: it cannot be read, or is damaged.
         """
+        return result_of(self.data(), self.path)
+
+    def data(self) -> xr.Dataset:
+        """Return its data set.
+
+        Raises:
+            InputError: it cannot be read, or is damaged.
+        """
         try:
             with self.path.open("rb") as file:
                 file.seek(self.offset)
-                data = unpacked(file.read(self.length))
+                return unpacked(file.read(self.length))
         except OSError as error:
             raise InputError(f"{self.path} cannot be read ({error.strerror or error})") from None
         except (ValueError, KeyError, TypeError, EOFError, zipfile.BadZipFile, zlib.error) as error:
@@ -70,7 +80,6 @@ class PackedResult:
             raise InputError(
                 f"{self.path} is damaged ({why}); remove it and compute the sweep again in its folder"
             ) from None
-        return result_of(data, self.path)
 
 
 def append(path: Path, data: xr.Dataset) -> PackedResult:
@@ -85,7 +94,7 @@ def append(path: Path, data: xr.Dataset) -> PackedResult:
     with path.open("ab") as file:
         offset = file.seek(0, io.SEEK_END)
         file.write(content)
-    return PackedResult(path, offset, len(content))
+    return PackedResult(path, offset, len(content), layout_of(data))
 
 
 def packed(data: xr.Dataset) -> bytes:

@@ -271,7 +271,7 @@ def _opened(path: str | Path) -> AnyResult | Sweep:
 
         return read_table(path)
     if (Path(path) / "sweep.parquet").is_file():
-        from viscorod.results.files.sweep_store import read_store
+        from viscorod.results.files.stored_sweep import read_store
 
         return read_store(path)
     if Path(path).is_dir():

@@ -10,10 +10,13 @@ from __future__ import annotations
 
 import json
 import os
+import secrets
 import socket
+import sys
 import threading
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -91,9 +94,9 @@ class SweepFolder:
             OSError: it cannot be written.
         """
         members = self.path / MEMBERS
-        own = f"{socket.gethostname()}-{os.getpid()}-{threading.get_native_id()}"
+        own = _writer_name()
         stored = None if result is None else append(members / f"{own}{RESULTS}", result.data)
-        place = None if stored is None else (stored.path.name, stored.offset, stored.length)
+        place = None if stored is None else (stored.path.name, stored.offset, stored.length, stored.layout)
         line = json.dumps({"name": name, "result": place, **found}, default=plain)
         with (members / f"{own}.jsonl").open("a", encoding="utf-8") as lines:
             lines.write(f"\n{line}\n")  # what was torn off before it stays a line of its own
@@ -162,8 +165,9 @@ class SweepFolder:
             return self.path / MEMBERS / f"{name}.nc"
         if not record.get("result"):
             return None
-        file, offset, length = record["result"]
-        return PackedResult(self.path / MEMBERS / Path(str(file)).name, int(offset), int(length))
+        file, offset, length, *layout = record["result"]  # first versions did not keep the layout
+        path = _writer(self.path, str(file))
+        return PackedResult(path, int(offset), int(length), sys.intern("".join(map(str, layout))))
 
     def load(self) -> Sweep:
         """Return the sweep, finished or not.
@@ -193,6 +197,25 @@ class SweepFolder:
         design = Design.of_record(record.read_text(encoding="utf-8"), str(record))
         fits = design.members == len(members) and set(design.keys) <= set(columns)
         return Ensemble.of_sweep(sweep, design) if fits else sweep  # else another sweep used the folder later
+
+
+_own = threading.local()
+
+
+def _writer_name() -> str:
+    """Return the name of this thread's files: machine, process, thread, and chance, as containers may share these."""
+    if getattr(_own, "process", None) != os.getpid():  # a copy of another process has files of its own
+        _own.process = os.getpid()
+        place = f"{socket.gethostname()}-{os.getpid()}-{threading.get_native_id()}"
+        _own.name = f"{place}-{secrets.token_hex(4)}"
+    name: str = _own.name
+    return name
+
+
+@lru_cache(maxsize=1024)
+def _writer(folder: Path, name: str) -> Path:
+    """Return the file of whole results of a writer, which all of its members share."""
+    return folder / MEMBERS / Path(name).name
 
 
 def _number(value: Any) -> float | list[float]:
