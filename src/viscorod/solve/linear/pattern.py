@@ -10,7 +10,7 @@ from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from scipy.sparse import csc_array, csr_array
+from scipy.sparse import csc_array
 
 from viscorod.typing import Floats, Integers
 
@@ -84,18 +84,8 @@ class Pattern(NamedTuple):
         size = 6 * self.size
         return csc_array((blocks[stored], (rows[stored], columns[stored])), shape=(size, size))
 
-    def part(self, blocks: Floats, chosen: Integers, unit: Floats) -> csr_array:
-        """Return chosen rows and columns ``(k,)`` of a matrix as :meth:`sparse` does, each times its ``unit (k,)``."""
-        number, factor = np.full(6 * self.size, -1), np.zeros(6 * self.size)
-        number[chosen], factor[chosen] = np.arange(len(chosen)), unit
-        rows, columns = self._places()
-        values = blocks * factor[rows] * factor[columns]
-        stored = values != 0.0
-        where = number[rows[stored]], number[columns[stored]]
-        return csr_array((values[stored], where), shape=(len(chosen), len(chosen)))
-
     def full_part(self, blocks: Floats, chosen: Integers, unit: Floats) -> Floats:
-        """Return the same as a full matrix."""
+        """Return chosen rows and columns ``(k,)`` as a full matrix, each times its ``unit (k,)``."""
         whole = np.zeros((self.size, 6, self.size, 6))
         whole[self.rows, :, self.columns] = blocks.transpose(0, 2, 1)
         size = 6 * self.size
