@@ -6,6 +6,8 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.analyses.derivatives import adjoint
+from viscorod.analyses.derivatives.case_numbers import with_values
 from viscorod.errors import InputError
 
 E, TAU = "materials.rubber.youngs_modulus", "materials.rubber.damping.shear_time"
@@ -165,6 +167,56 @@ def test_joints_and_held_strains_have_an_adjoint(held):
     model.revolute("beam.end", "arm.start", axis=(0.1, 1, 0.2), **hinge)
     keys = [*HINGED, "joints[0].stiffness.rz", "joints[0].damping.rz"]
     require_gradient(model, keys, [2, 5, -1, -2], duration=0.06, output_interval=0.01)
+
+
+def test_velocities_within_steps_are_closed_as_neighbours_close_them():
+    """Neighbours of the model, whose recorded velocities were closed with the matrix of an older step: 3e-6 apart."""
+    model, end = vr.Model(), (0.3, 0.09474, 0.02606)
+    damping = vr.KelvinVoigt(0.01419, 0.01137)
+    model.materials["rubber"] = vr.Material(2.618e7, poissons_ratio=0.28, density=1100.0, damping=damping)
+    given = {"section": vr.Rectangle(0.01773, 0.0122), "material": model.materials["rubber"], "order": 3}
+    model.add("beam", vr.Rod.straight((0, 0, 0), end, elements=2, **given))
+    model.add("arm", vr.Rod.straight(end, (0.4, *end[1:]), elements=1, **given))
+    model.add("tip", vr.Body(mass=0.02, centre=(0.4, *end[1:]), inertia=(2e-6, 3e-6, 4e-6)))
+    model.attach("arm.end", "tip")
+    model.clamp("beam.start")
+    model.gravity((3.3, 3.3, 5.0))
+    model.force("beam.end", (-0.26, 0.56, -0.79), until=0.0)
+    model.revolute("beam.end", "arm.start", axis=(0, 1, 0), stiffness={"rz": 0.436}, damping={"rz": 0.00436})
+    keys = [E, "joints[0].stiffness.rz", "materials.rubber.density"]
+    given = {"duration": 0.05, "output_interval": 0.01}
+    run = model.simulate(**given, derivatives=keys)
+    weights = random_weights(run, slice(None))
+    weights = {name: weights[name] for name in ("velocity", "angular_velocity")}
+    function = model.value_and_gradient(
+        keys, lambda run: (value_of(run, weights), weights), adjoint=True, **given
+    )
+    for key, found in zip(keys, function(function.values)[1], strict=True):
+        parts = [by * run.derivatives[key].data[name].values for name, by in weights.items()]
+        size = np.sqrt(sum(float((part**2).sum()) for part in parts))
+        assert abs(found - sum(float(part.sum()) for part in parts)) < 7e-7 * size, key
+
+
+def test_a_rod_that_hangs_still_does_so_under_any_gravity(monkeypatch):
+    """By equilibrium: velocities are zero and change by nothing, however far apart the neighbours are.
+
+    Differences of two settled neighbours left 2e-6 here, which grew with the square of their distance.
+    """
+    monkeypatch.setattr(adjoint, "change_of", lambda steps: 5e-4)
+    model = swing()
+    model.loads.clear()
+    model.gravity((0, -3.0, -9.81))
+    model = with_values(model, {E: 3e5})
+    given = {"duration": 0.05, "output_interval": 0.01}
+    run, keys = model.simulate(**given), [f"loads[0].acceleration[{k}]" for k in (1, 2)]
+    weights = random_weights(run, slice(None))
+    weights = {name: weights[name] for name in ("velocity", "angular_velocity")}
+    function = model.value_and_gradient(
+        keys, lambda run: (value_of(run, weights), weights), adjoint=True, **given
+    )
+    gradient = function(function.values)[1]
+    assert function.way == "adjoint"
+    assert np.abs(gradient).max() < 5e-8  # m/s per m/s^2, and rad/s
 
 
 def test_supports_that_hold_rotations_in_part_have_an_adjoint():

@@ -503,7 +503,7 @@ def test_a_value_with_its_gradient_goes_to_an_optimiser():
 @pytest.mark.parametrize(
     ("key", "text"),
     [
-        ("rods.beam.elements", "a whole number is needed"),
+        ("rods.beam.elements", "this is a whole number"),
         ("rods.beam.section.breadth", "there is no such number"),
         ("materials.steel.density", "the names here are rubber"),
         ("loads[7].value[0]", "the first is"),

@@ -69,6 +69,40 @@ class _Number(NamedTuple):
         return cls(Neighbours.of(model, key, discrete, many=change) if kind is Kind.MORE else few, kind)
 
 
+class _Start(NamedTuple):
+    """What a number changes of the state that a motion starts from.
+
+    What an equilibrium changes to first order is known without solving for a neighbour. Where a rod hangs still the
+    change of the start and that of the loads nearly cancel, and what two neighbours have of third order would remain.
+
+    Attributes:
+        pose: body increments of all nodes ``(n, 6)`` per unit of the number, of a start at rest.
+        states: in which neighbours start, of any other.
+    """
+
+    pose: Floats | None = None
+    states: Sequence[State] = ()
+
+    @classmethod
+    def of(cls, start: MotionStart, number: _Number, *, resting: bool) -> _Start:
+        """Return that of one number; nothing where it is known by arrays, or does not change."""
+        if start.given or (resting and number.kind is Kind.ARRAYS):
+            return cls()
+        if resting and start.change is not None:
+            return cls(start.change.increment(number.neighbours)[: start.discrete.problem.size])
+        return cls(states=start.states(number.neighbours))
+
+    def product(self, found: MotionGradient, neighbours: Neighbours, began: State) -> float:
+        """Return the derivative by the number through the start."""
+        total = 0.0 if self.pose is None else float(np.vdot(found.pose, self.pose))
+        for one, given in zip(neighbours.each, self.states, strict=False):
+            change, state = np.empty_like(began.twist), _consistent(one, given)
+            pose_differences(began.r, began.q, state.r, state.q, change)
+            by = np.vdot(found.pose, change) + np.vdot(found.twist, state.twist - began.twist)
+            total += one.weight * float(by)
+        return total
+
+
 def weights_of(run: Run, given: Mapping[str, object]) -> dict[str, Floats]:
     """Return the derivatives of a scalar by what is stored of a run.
 
@@ -131,10 +165,7 @@ def motion_gradient(
         )
     resting = start.change is not None and not began.twist.any()
     # before the steps, which take the scales of multipliers over
-    starts = [
-        [] if start.given or (resting and one.kind is Kind.ARRAYS) else start.states(one.neighbours)
-        for one in numbers
-    ]
+    starts = [_Start.of(start, one, resting=resting) for one in numbers]
     stuck = side_by_side([motion], [state], settings.duration)
     _ask(steps)
     if stuck is not None:
@@ -165,11 +196,10 @@ def motion_gradient(
         found.arrays.add(at.adjoint(found.pose))
     totals = iter(back.totals)
     gradient = []
-    for one, states in zip(numbers, starts, strict=True):
+    for one, other in zip(numbers, starts, strict=True):
         arrays = one.kind is Kind.ARRAYS
         total = found.arrays.product(array_changes(one.neighbours)) if arrays else next(totals)
-        if states:
-            total += _by_start(one.neighbours, found, states, began)
+        total += other.product(found, one.neighbours, began)
         if one.kind is Kind.MORE:
             each = one.neighbours.each
             total += sum(near.weight * stored.value(StationReader(near.problem)) for near in each)
@@ -189,17 +219,6 @@ def _ask(steps: KeptSteps) -> None:
         motion_sensitivity.require_known(steps)
     except InputError as error:
         raise UnknownAdjointError(error.problems) from None
-
-
-def _by_start(neighbours: Neighbours, found: MotionGradient, states: Sequence[State], began: State) -> float:
-    """Return the derivative by a number through the state that the motion starts from, and those of its neighbours."""
-    total = 0.0
-    for one, given in zip(neighbours.each, states, strict=True):
-        change, state = np.empty_like(began.twist), _consistent(one, given)
-        pose_differences(began.r, began.q, state.r, state.q, change)
-        by = np.vdot(found.pose, change) + np.vdot(found.twist, state.twist - began.twist)
-        total += one.weight * float(by)
-    return total
 
 
 def _consistent(one: Neighbour | DiscreteModel, state: State) -> State:

@@ -44,8 +44,8 @@ UNKNOWN = ("mode_share", "mode_residual", "mode_error")
 """What has no derivatives here."""
 UNCERTAIN = 1e-8
 """Error of rounding in the derivatives, over the largest of them, from which on a number changes more."""
-FARTHER = (8.0, 4.0)
-"""By how many times, one after the other."""
+FARTHEST = 32.0
+"""By how many times at most."""
 EPSILON = float(np.finfo(float).eps)
 
 
@@ -78,12 +78,8 @@ def modes_derivatives(
     found = {}
     for key in keys:
         rates = _Rates(Neighbours.of(model, key, discrete), change, at, vectors)
-        many = STEP
-        for times in FARTHER:
-            if rates.rounding <= UNCERTAIN or rates.left > rates.rounding:
-                break
-            many *= times
-            farther = _Rates(Neighbours.of(model, key, discrete, many=many), change, at, vectors)
+        if rates.rounding > UNCERTAIN and (times := rates.farther) > 1.0:
+            farther = _Rates(Neighbours.of(model, key, discrete, many=times * STEP), change, at, vectors)
             rates = min(rates, farther, key=lambda one: one.rounding + one.left)
         neighbours, number = rates.neighbours, len(result.eigenvalues)
         slopes, moving = np.zeros(number, dtype=complex), {}
@@ -155,6 +151,14 @@ class _Rates:
         self.rounding = max(noise, default=0.0) / size
         apart = [abs(one - other) for one, other in zip(self.of_groups, coarse, strict=True)]
         self.left = (max(apart, default=0.0) / size) ** 2
+
+    @property
+    def farther(self) -> float:
+        """By how many times farther neighbours have the least error.
+
+        Rounding falls with the distance, and what the scheme leaves grows by its fourth power.
+        """
+        return float(min((self.rounding / max(4.0 * self.left, 1e-30)) ** 0.2, FARTHEST))
 
 
 def _change(discrete: DiscreteModel, result: Modes, at: Instant) -> StaticChange | None:

@@ -117,18 +117,22 @@ def nodal_state(
     """
     n, stations, bodies = problem.size, problem.stations, problem.bodies
     state = State(np.zeros((n, 3)), np.zeros((n, 4)), np.zeros((n, 6)), np.zeros(6 * problem.multipliers))
-    on_rods = len(stations.nodes)
-    for k, node in enumerate([*stations.nodes, *bodies.nodes]):
-        if k < on_rods:
-            r, q = _detached(problem, position[k], rotation[k], int(stations.links[k]))
-        else:
-            q = product(rotation[k], conjugate(bodies.turns[k - on_rods]))
-            r = position[k] - matrices(q[None])[0] @ bodies.arms[k - on_rods]
-        own = matrices(rotation[k : k + 1])[0]
-        R, angular = matrices(q[None])[0], own @ spin[k]
-        linear = velocity[k] + np.cross(angular, r - position[k])
-        state.r[node], state.q[node] = r, q / np.linalg.norm(q)
-        state.twist[node] = np.concatenate([R.T @ linear, R.T @ angular])
+    nodes = np.concatenate([stations.nodes, bodies.nodes]).astype(np.int64)
+    turn, arm = np.zeros((len(nodes), 4)), np.zeros((len(nodes), 3))
+    turn[:, 0] = 1.0
+    linked = np.flatnonzero(stations.links >= 0)
+    turn[linked] = problem.link_quaternions[stations.links[linked]]
+    arm[linked] = problem.link_positions[stations.links[linked]]
+    turn[len(stations.nodes) :], arm[len(stations.nodes) :] = bodies.turns, bodies.arms
+    q = product(rotation, conjugate(turn))
+    R = matrices(q)
+    offset = np.einsum("kij,kj->ki", R, arm)
+    angular = np.einsum("kij,kj->ki", matrices(rotation), spin)
+    linear = velocity - np.cross(angular, offset)
+    state.r[nodes] = position - offset
+    state.q[nodes] = q / np.linalg.norm(q, axis=1, keepdims=True)
+    state.twist[nodes, :3] = np.einsum("kji,kj->ki", R, linear)
+    state.twist[nodes, 3:] = np.einsum("kji,kj->ki", R, angular)
     return state
 
 

@@ -68,13 +68,16 @@ class Company:
 
         Returns:
             whether the Jacobian of one that follows is as old as that of the leader; None of the leader itself, and of
-            one that tries the step again.
+            one that tries the step again. False of a leader with joints or held strains: recorded states are closed
+            with its matrix, which derivatives take as that of the step.
         """
         one.newton_tolerance = LEFT
         self._again = self._begun.get(id(one)) == one.t
-        if one is self.leader or self._again:
+        if self._again:
             return None
         self._begun[id(one)] = one.t
+        if one is self.leader:
+            return None if one.stage_constraints is None else False
         self._solve_with(one, self.leader.systems)
         seen = self._jacobians.get(id(one))
         self._jacobians[id(one)] = self.leader.jacobians
