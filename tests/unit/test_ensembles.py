@@ -89,6 +89,28 @@ def test_quantiles_of_a_lognormal_tip(beam):
     assert beam.quantiles((0.001,)).iloc[0]["lower"] == -np.inf
 
 
+@pytest.mark.parametrize("way", ["independent", "sobol"])
+def test_intervals_of_quantiles_hold(way):
+    """Of 128 independent lognormal numbers 95 % of the intervals hold the exact quantile, of Sobol' points more."""
+    kind, levels, count = scipy.stats.lognorm(0.5), (0.05, 0.5, 0.95), 100
+    hits = np.zeros(3)
+    for seed in range(count):
+        if way == "independent":
+            values = kind.rvs(size=128, random_state=seed)
+        else:
+            values = points_of(uniform_points(128, 1, seed), {"a": kind})["a"]
+        members = [SweepRun(k, {"a": one}, None, "", "completed", {"f": one}) for k, one in enumerate(values)]
+        found = Ensemble.of_sweep(Sweep(members), Design(("a",), ("lognorm",), 128, seed, False))
+        table = found.quantiles(levels).loc["f"]
+        exact = kind.ppf(levels)
+        hits += (table["lower"] <= exact) & (exact <= table["upper"])
+    part = hits / count
+    spread = math.sqrt(0.95 * 0.05 / count)
+    assert (part > 0.95 - 3.0 * spread).all()
+    if way == "sobol":
+        assert (part == 1.0).all()
+
+
 def test_counts_are_whole_numbers():
     column = points_of(uniform_points(64, 1, 1), {"rods.beam.elements": scipy.stats.randint(1, 4)})
     values = column["rods.beam.elements"]

@@ -53,7 +53,7 @@ def test_ctrl_c_is_nothing_to_workers_of_this_machine():
         pids = executor._client.run(os.getpid)
         for pid in pids.values():
             os.kill(pid, signal.SIGINT)
-        assert executor.submit(abs, -3).result() == 3
+        assert executor.submit(abs, -3).result(60) == 3
         assert set(executor._client.run(os.getpid).values()) == set(pids.values())
     assert signal.SIGINT not in signal.pthread_sigmask(signal.SIG_BLOCK, [])
 

@@ -603,6 +603,36 @@ def test_wrong_values_among_many_members_are_found_before_any_is_computed(held, 
     assert table["outcome"].tolist() == ["completed"] * 11 + ["refused"] + ["completed"] * 8
 
 
+def test_a_line_of_which_a_bit_flipped_does_not_count(held, tmp_path):
+    """Every bit of every byte of a member's line: it is read as it was, or computed again; never another number."""
+    given = {"quantities": {"tip": TIP, "sum": TIP}, "workers": 1, "errors": 0, "folder": tmp_path}
+    expected = vr.sweep(held, {FORCE: [1e-4]}, **given).table().drop(columns="wall_time_s")
+    (file,) = (tmp_path / "members").glob("*.jsonl")
+    content_of_it = file.read_bytes()
+    missing = 0
+    for at in range(len(content_of_it)):
+        changed = bytearray(content_of_it)
+        changed[at] ^= 1 << at % 8
+        file.write_bytes(changed)
+        table = vr.load(tmp_path).table()
+        if table["outcome"][0] == "not run":
+            missing += 1
+        else:
+            assert table.drop(columns="wall_time_s").equals(expected)
+    assert missing > 0.9 * len(content_of_it)
+    assert vr.sweep(held, {FORCE: [1e-4]}, **given).table()["tip"].tolist() == expected["tip"].tolist()
+
+
+def test_a_line_of_before_has_no_checksum(held, tmp_path):
+    given = {"quantities": {"tip": TIP, "sum": TIP}, "workers": 1, "errors": 0, "folder": tmp_path}
+    expected = vr.sweep(held, {FORCE: [1e-4]}, **given).table()
+    (file,) = (tmp_path / "members").glob("*.jsonl")
+    record = json.loads(file.read_text())
+    record.pop("sum")
+    file.write_text(f"\n{json.dumps(record)}\n")
+    assert vr.load(tmp_path).table().equals(expected)
+
+
 def test_histories_are_numbers_in_memory():
     """A history of 201 values takes their bytes, not those of objects."""
     found = FoundMembers(2, ())

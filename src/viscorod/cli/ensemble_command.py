@@ -96,6 +96,10 @@ def ensemble(
                         written.append(picture_at(result.plot_indices, folder / "indices.png"))
                 except InputError as error:  # too few members for a picture are still data
                     complain(f"no picture: {error}")
+                histories = result.members.found.histories
+                for k, name in enumerate(histories, 1):
+                    path = folder / ("fan.png" if len(histories) == 1 else f"fan_{k}.png")
+                    written.append(picture_at(result.plot_fan, path, name))
             told(result, written)
         left_out = ("not run",) if part is not None else ()
         if any(member.outcome not in left_out for member in result.failed):

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from pathlib import Path
+from textwrap import wrap
 from typing import TYPE_CHECKING
 from weakref import WeakKeyDictionary
 
@@ -21,6 +22,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure, SubFigure
 
     from viscorod.results.result import Result
+    from viscorod.typing import Floats
 
 # Okabe and Ito's palette, told apart by readers with any kind of colour vision.
 BLUE, ORANGE, GREEN, RED, SKY = "#0072B2", "#E69F00", "#009E73", "#D55E00", "#56B4E9"
@@ -32,6 +34,8 @@ _LETTER = 0.62
 """Width of a letter over its size, on average."""
 _HANDLE = 4.8
 """Width of the sample line of a legend and of the gaps around it, over the size of the letters."""
+_ROUND_OFF = 1e-9
+"""Range of values over their size below which they differ by what solvers leave."""
 _FEW_DECADES = 3.5
 """Of a logarithmic axis whose ticks are more than powers of ten."""
 _UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
@@ -136,6 +140,14 @@ def clean(axes: Axes, xlabel: str, ylabel: str) -> None:
         axes.spines[side].set_visible(False)
 
 
+def caption(picture: Figure, text: str) -> None:
+    """Put a sentence below the title of a picture, in as many lines as it needs."""
+    room = int(72.0 * 0.98 * picture.get_figwidth() / (_LETTER * SMALL))
+    lines = "\n".join(wrap(text, room))
+    place = 1.0 - 0.5 / picture.get_figheight()
+    picture.text(0.01, place, lines, fontsize=SMALL, color=INK, va="center", linespacing=1.1)
+
+
 def headline(picture: Figure, text: str) -> None:
     """Put the title of a case above a picture, flush left; one that is too long ends with dots."""
     room = int(72.0 * picture.get_figwidth() / (_LETTER * (TEXT + 2.0)))
@@ -145,17 +157,35 @@ def headline(picture: Figure, text: str) -> None:
 
 
 def legend_above(axes: Axes, columns: int) -> None:
-    """Put the legend above an axes, where it hides nothing."""
+    """Put the legend above an axes, where it hides nothing, in so many columns, or in fewer where they have no room."""
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=columns,
+        ncols=columns_of(axes, axes.get_legend_handles_labels()[1], columns),
         frameon=False,
         fontsize=SMALL,
         borderaxespad=0.2,
         handlelength=1.8,
         columnspacing=1.6,
     )
+
+
+def columns_of(axes: Axes, names: Sequence[str], most: int) -> int:
+    """Return in how many columns a legend above an axes does not run out of the picture."""
+    picture = axes.get_figure(root=True)
+    if picture is None or not names:
+        return most
+    room = 72.0 * picture.get_figwidth() * (1.0 - axes.get_position().x0)
+    each = SMALL * (_LETTER * max(map(len, names)) + _HANDLE)
+    return max(1, min(most, int(room // each)))
+
+
+def without_round_off(limit: Callable[[float, float], object], values: Floats) -> None:
+    """Set the limits of an axis where its values differ by rounding alone, which would be drawn as if it were much."""
+    size = float(np.abs(values).max(initial=0.0))
+    if 0.0 < size and float(np.ptp(values)) <= _ROUND_OFF * size:
+        middle = float(values.mean())
+        limit(middle - 0.1 * size, middle + 0.1 * size)
 
 
 def legend_over(axes: Axes, columns: int) -> None:

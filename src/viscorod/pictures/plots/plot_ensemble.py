@@ -8,7 +8,19 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.pictures.picture import within
-from viscorod.pictures.style import BLUE, GREY, INK, ORANGE, SMALL, clean, figure, headline, legend_above
+from viscorod.pictures.style import (
+    BLUE,
+    GREY,
+    INK,
+    ORANGE,
+    SMALL,
+    caption,
+    clean,
+    figure,
+    headline,
+    legend_above,
+    without_round_off,
+)
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,6 +53,7 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         panels = list(picture.subplots(-(-len(names) // columns), columns, squeeze=False).flat)
     else:
         picture, panels = within(ax), [ax]
+    unbounded = False
     for axes, name in zip(panels, names, strict=False):
         values = np.sort(found.values(name))
         missing = len(values) < found.samples
@@ -52,21 +65,26 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         span = values[-1] - values[0]
         for level in LEVELS:
             row = table.loc[(name, level)]
-            low, high = (
-                max(row["lower"], values[0] - 0.04 * span),
-                min(row["upper"], values[-1] + 0.04 * span),
-            )
-            axes.plot([low, high], [level, level], color=ORANGE, linewidth=3.0, solid_capstyle="butt")
+            ends = [row["lower"], row["upper"]]
+            for k, (beyond, mark) in enumerate(
+                ((values[0] - 0.06 * span, "<"), (values[-1] + 0.06 * span, ">"))
+            ):
+                if np.isinf(ends[k]):  # members too few for a bound
+                    ends[k], unbounded = beyond, True
+                    axes.plot([beyond], [level], mark, color=ORANGE, markersize=7.0)
+            axes.plot(ends, [level, level], color=ORANGE, linewidth=3.0, solid_capstyle="butt")
             axes.plot([row["value"]], [level], "o", color=INK, markersize=4.5)
         axes.set_ylim(-0.02, 1.02)
+        without_round_off(axes.set_xlim, values)
         _few_ticks(axes)
     if ax is not None:
         return picture
     for axes in list(picture.axes)[len(names) :]:
         axes.set_visible(False)
-    _caption(
+    bounds = "; arrows: too few members for a bound" if unbounded else ""
+    caption(
         picture,
-        f"{found.samples} members; their 5, 25, 50, 75, 95 % quantiles, 95 % intervals (bars)",
+        f"{found.samples} members; their 5, 25, 50, 75, 95 % quantiles, 95 % intervals (bars{bounds})",
     )
     return picture
 
@@ -128,6 +146,7 @@ def draw_indices(found: Ensemble, alone: str | None = None, ax: Axes | None = No
         panels = list(picture.subplots(len(names), 1, squeeze=False).flat)
     else:
         picture, panels = within(ax), [ax]
+    ends = table.loc[list(names)].to_numpy()
     for axes, name in zip(panels, names, strict=True):
         rows = table.loc[name]
         order = [str(key) for key in rows["total"].sort_values().index]
@@ -137,18 +156,20 @@ def draw_indices(found: Ensemble, alone: str | None = None, ax: Axes | None = No
                 row: Any = rows.loc[key]
                 label = _legend(kind) if k == 0 else None
                 axes.barh(k + shift, row[kind], height=0.34, color=colour, label=label)
-                ends = [row[f"{kind}_lower"], row[f"{kind}_upper"]]
-                axes.plot(ends, [k + shift] * 2, color=INK, linewidth=1.2)
+                interval = [row[f"{kind}_lower"], row[f"{kind}_upper"]]
+                words = "95 % intervals" if k == 0 and kind == "total" else None
+                axes.plot(interval, [k + shift] * 2, color=INK, linewidth=1.2, label=words)
         axes.set_yticks(range(len(order)), order, fontsize=SMALL)
         axes.axvline(0.0, color=INK, linewidth=0.8)
+        axes.set_xlim(min(0.0, ends.min()) - 0.02, max(1.0, ends.max()) + 0.02)  # bars of all panels compare
         axes.grid(axis="y", visible=False)
         if name == names[0]:
-            legend_above(axes, 2)
+            legend_above(axes, 3)
     return picture if ax is None else within(ax)
 
 
 def _legend(kind: str) -> str:
-    return "together with others" if kind == "total" else "alone (lines: 95 %)"
+    return "together with others" if kind == "total" else "alone"
 
 
 def _names(found: Ensemble, name: str | None, ax: Axes | None) -> tuple[str, ...]:
@@ -164,10 +185,6 @@ def _titled(found: Ensemble, width: float, height: float) -> Figure:
     picture = figure(width, height)
     headline(picture, found.title)
     return picture
-
-
-def _caption(picture: Figure, text: str) -> None:
-    picture.text(0.01, 1.0 - 0.5 / picture.get_figheight(), text, fontsize=SMALL, color=INK, va="center")
 
 
 def _few_ticks(axes: Any) -> None:

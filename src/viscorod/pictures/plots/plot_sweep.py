@@ -19,9 +19,11 @@ from viscorod.pictures.style import (
     RED,
     SKY,
     clean,
+    columns_of,
     figure,
     headline,
     legend_above,
+    without_round_off,
 )
 from viscorod.results.sweep_figures import FIGURES, shown
 from viscorod.units import si_of
@@ -40,6 +42,8 @@ MOST = 4
 """Numbers in one picture."""
 _QUANTITY = re.compile(r"\s*([-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)\s*([^\d\s].*)$")
 """A number and a unit."""
+COLUMNS, ROOM, ROW = 3, 2, 0.2
+"""Columns of the legend, rows that it has room for, and the height [inches] of a further one."""
 MOST_LINES = 6
 """Values of the other parameters that have a line each."""
 
@@ -70,16 +74,25 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
     known = _numbers(sweep, table)
     asked = [one for one in known if one in sweep.quantities]
     names = (asked or known)[:MOST] if name is None else [_one_of("name", name, known)]
+    others = [key for key in varied if key != x]
     if ax is None:
         picture = figure(8.0, 1.0 + 3.1 * len(names))
         headline(picture, sweep.title)
         panels = list(picture.subplots(len(names), 1, squeeze=False)[:, 0])
     else:
         names, picture, panels = names[:1], within(ax), [ax]
-    others = [key for key in varied if key != x]
     for axes, number in zip(panels, names, strict=True):
         _draw(axes, table, x, number, others, units, legend=axes is panels[0])
-    return picture if ax is None else within(panels[0])
+    if ax is not None:
+        return within(panels[0])
+    labels = panels[0].get_legend_handles_labels()[1]
+    rows = -(-len(labels) // columns_of(panels[0], labels, COLUMNS))
+    if rows > ROOM:  # for the legend, below the title
+        taller = picture.get_figheight() + ROW * (rows - ROOM)
+        top = 1.0 - (picture.get_figheight() * (1.0 - picture.subplotpars.top) + ROW * (rows - ROOM)) / taller
+        picture.set_figheight(taller)
+        picture.subplots_adjust(top=top, bottom=0.6 / taller)
+    return picture
 
 
 def _in_numbers(table: pd.DataFrame, parameters: Sequence[str]) -> tuple[pd.DataFrame, dict[str, str]]:
@@ -129,7 +142,8 @@ def _draw(
             at, number, marker="o", markersize=4.5, linestyle=line, color=COLOURS[k], label=label or None
         )
     if others and legend:
-        legend_above(axes, 3)
+        legend_above(axes, COLUMNS)
+    without_round_off(axes.set_ylim, table[name].dropna().to_numpy(dtype=float))
 
 
 def _column(rows: pd.DataFrame, x: str, name: str) -> tuple[Any, Any]:

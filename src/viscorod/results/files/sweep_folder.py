@@ -1,15 +1,16 @@
 """A sweep in a folder: what its members are, and a line for every one that is finished, on disk before it is reported.
 
 ``sweep.json`` has the values and the names of all members. Every thread that computes appends its finished members to a
-file of its own in ``members``, one line of JSON each, so that nothing is shared and a process that is killed loses
-the member that it was at and no other. Whole results, where they are kept, are appended to a second file of the same
-thread before their lines are (see ``packed_results``).
+file of its own in ``members``, one line of JSON each with a checksum, so that nothing is shared and a process that is
+killed loses the member that it was at and no other. Whole results, where they are kept, are appended to a second file
+of the same thread before their lines are (see ``packed_results``).
 """
 
 from __future__ import annotations
 
 import json
 import os
+import re
 import secrets
 import socket
 import sys
@@ -19,6 +20,7 @@ from dataclasses import dataclass
 from functools import lru_cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
+from zlib import crc32
 
 import numpy as np
 
@@ -39,6 +41,7 @@ MANIFEST = "sweep.json"
 DESIGN = "ensemble.json"
 MEMBERS = "members"
 RESULTS = ".results"
+_SUM = re.compile(r', "sum": (\d+)}\n$')
 
 
 @dataclass(frozen=True)
@@ -97,7 +100,8 @@ class SweepFolder:
         own = _writer_name()
         stored = None if result is None else append(members / f"{own}{RESULTS}", result.data)
         place = None if stored is None else (stored.path.name, stored.offset, stored.length, stored.layout)
-        line = json.dumps({"name": name, "result": place, **found}, default=plain)
+        text = json.dumps({"name": name, "result": place, **found}, default=plain)
+        line = f'{text[:-1]}, "sum": {crc32(text.encode())}}}'
         with (members / f"{own}.jsonl").open("a", encoding="utf-8") as lines:
             lines.write(f"\n{line}\n")  # what was torn off before it stays a line of its own
         return stored
@@ -105,7 +109,7 @@ class SweepFolder:
     def take(self, names: Sequence[str], found: FoundMembers) -> None:
         """Take what was found of the members with these names.
 
-        Lines that were cut off do not count, and lines of results that are not there.
+        Lines that were cut off or changed do not count, and lines of results that are not there.
 
         Raises:
             InputError: the record of one is damaged.
@@ -133,6 +137,9 @@ class SweepFolder:
             with file.open(encoding="utf-8", errors="replace") as lines:
                 for line in lines:
                     if line.startswith("{") and line.endswith("}\n"):
+                        whole = _SUM.search(line)  # first versions had none
+                        if whole and crc32(f"{line[: whole.start()]}}}".encode()) != int(whole[1]):
+                            continue
                         try:
                             record = json.loads(line)
                         except ValueError:
