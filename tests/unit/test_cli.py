@@ -1,9 +1,11 @@
 """The command line: exit codes, messages, files. Solutions are stood in for by results in closed form."""
 
+import dataclasses
 import json
 import re
 import subprocess
 import sys
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -308,3 +310,27 @@ def test_a_former_key_of_a_case_file_is_named(tmp_path):
     done = subprocess.run(command, capture_output=True, text=True, check=False)
     assert done.returncode == 0, done.stderr
     assert "warning: about is now centre" in done.stderr.splitlines()
+
+
+def documented(row):
+    """Keys that the reference names in a row of its table of what ``--json`` prints."""
+    text = (Path(__file__).parents[2] / "docs" / "reference" / "index.md").read_text(encoding="utf-8")
+    line = next(line for line in text.splitlines() if line.startswith(row))
+    return set(re.findall(r"`(\w+)`", re.sub(r"\(.*?\)", "", line.split("|")[2])))
+
+
+@pytest.mark.parametrize(
+    ("row", "result"),
+    [
+        ("| all but", lambda: Run(swing())),
+        ("| `run`", lambda: Run(swing())),
+        ("| of equilibria", lambda: Equilibrium(rolled_up())),
+    ],
+    ids=["all", "run", "equilibria"],
+)
+def test_keys_of_json_are_those_of_the_reference(row, result):
+    assert documented(row) - set(numbers_of(result())) == set()
+
+
+def test_tables_of_a_check_are_those_of_the_reference():
+    assert documented("| `check`") <= {field.name for field in dataclasses.fields(CheckReport)}

@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.transforms import Bbox
 from scipy.linalg import null_space
 from scipy.spatial import ConvexHull
 
@@ -324,3 +325,38 @@ def test_snapshots_of_a_motion_that_goes_to_and_fro_without_a_decay_are_those_of
     assert "first swing" in axes.get_title(loc="left")
     tips = [line.get_ydata()[-1] for line in axes.lines if len(line.get_xdata()) > 5]
     assert min(tips) < -0.9 * max(tips) < 0.0
+
+
+def test_names_keep_off_symbols_of_supports():
+    # the arrow ends at the support, and "933 kN" stood on it
+    description = load_case(shipped_case("prestressed_bridge")).description
+    picture = draw_assembly(description)
+    picture.draw_without_rendering()
+    axes = picture.axes[0]
+    marks = [line for line in axes.lines if line.get_label() == "held in part"]
+    half = 0.5 * marks[0].get_markersize() * picture.dpi / 72.0
+    words = [text for text in axes.texts if text.get_text()]
+    for at in axes.transData.transform(marks[0].get_xydata()):
+        symbol = Bbox([at - half, at + half])
+        assert not [text.get_text() for text in words if symbol.overlaps(text.get_window_extent())]
+
+
+@pytest.mark.parametrize(("pitch", "axis"), [(0.02, (0, 0, -1)), (0.1, (1, 0.3, 0))])
+def test_directions_of_the_axes_keep_off_what_is_drawn_in_space(pitch, axis):
+    coil = vr.Rod.helix(
+        0.05, pitch, 6, axis=axis, section=vr.Circle(1e-3), material=vr.Material(1e9, 0.3, 1e3)
+    )
+    model = vr.Model()
+    model.add("coil", coil)
+    model.clamp("coil.start")
+    picture = figure(2.6, 2.4)  # as small as one of several, where the directions are large
+    axes = picture.add_subplot()
+    model.equilibrium().plot(ax=axes)
+    picture.draw_without_rendering()
+    letters = [text for text in axes.texts if text.get_text() in ("x", "y", "z")]
+    assert len(letters) == 3
+    drawn = np.concatenate([axes.transData.transform(line.get_xydata()) for line in axes.lines])
+    for letter in letters:
+        box = letter.get_window_extent()  # with its arrow
+        inside = np.all((drawn > [box.x0, box.y0]) & (drawn < [box.x1, box.y1]), axis=1)
+        assert not inside.any()

@@ -20,6 +20,8 @@ _FITS, _STEEP = 1.05, 3.0
 """Of a line beside which a text stands turned: its length over that of the text, its rise over its run."""
 _TURNED = 2.0
 """What it costs to read a text that is turned, in points of lines that it hides."""
+_OF_SYMBOL = 6
+"""Points of a symbol along each of its sides."""
 _FAR = 18.0
 """Distance from which on a line leads from the point to its text."""
 
@@ -40,6 +42,7 @@ class Labels:
     def __init__(self) -> None:
         self._labels: list[Label] = []
         self._taken: list[Floats] = []
+        self._symbols: list[tuple[Floats, float]] = []
 
     def add(self, point: Floats, text: str, colour: str = INK, along: Floats | None = None) -> None:
         """Ask for a text near a point (2,); ``along`` the line there, of the length of that, it may stand turned."""
@@ -48,6 +51,10 @@ class Labels:
     def avoid(self, points: Floats) -> None:
         """Keep texts off points ``(2, n)``, which lines have enough of."""
         self._taken.append(np.asarray(points, dtype=float).reshape(2, -1))
+
+    def avoid_symbols(self, points: Floats, size: float) -> None:
+        """Keep texts off symbols of a size [pixels at 72 per inch] at points ``(2, n)``."""
+        self._symbols.append((np.asarray(points, dtype=float).reshape(2, -1), size))
 
     def place(self, axes: Axes) -> None:
         """Write all labels, once everything else is drawn; what is in the way is what :meth:`avoid` was told."""
@@ -66,7 +73,8 @@ class Labels:
         taken = pixels(np.concatenate([np.zeros((2, 0)), *self._taken], axis=1).T)
         frame = axes.get_window_extent(renderer)
         boxes = np.zeros((0, 4))
-        lines = taken.copy()
+        symbols = [_filled(pixels(points.T), dot * size) for points, size in self._symbols]
+        lines = np.concatenate([taken, *symbols])
         for label in self._labels:
             text = axes.annotate(
                 label.text,
@@ -113,6 +121,14 @@ class Labels:
                         "shrinkB": 2.0,
                     },
                 )
+
+
+def _filled(centres: Floats, size: float) -> Floats:
+    """Return points all over symbols of a size about their centres ``(n, 2)``, all in pixels."""
+    reach = 0.5 * size * np.linspace(-1.0, 1.0, _OF_SYMBOL)
+    grid = np.stack(np.meshgrid(reach, reach), axis=-1).reshape(-1, 2)
+    found: Floats = (centres[:, None] + grid).reshape(-1, 2)
+    return found
 
 
 class _Choice(NamedTuple):

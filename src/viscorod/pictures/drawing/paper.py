@@ -53,9 +53,7 @@ class Paper:
         self.axes.plot(
             *paper, marker, markersize=size, linestyle="none", label=label_once(self.axes, name), **style
         )
-        around = np.array([(0, 0), (1, 1), (-1, 1), (1, -1), (-1, -1)]).T[:, None, :]
-        reach = 0.006 * self.view.scale * self.size
-        self.labels.avoid((paper[:, :, None] + reach * around).reshape(2, -1))
+        self.labels.avoid_symbols(paper, size)
 
     def arrow(self, tail: Floats, tip: Floats, colour: str, style: str) -> None:
         """Draw an arrow between two points of the paper (2,)."""

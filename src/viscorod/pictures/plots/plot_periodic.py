@@ -22,7 +22,9 @@ from viscorod.pictures.style import (
     heading,
     headline,
     legend_above,
+    legend_over,
 )
+from viscorod.results.text_numbers import quantity, scaled
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -196,21 +198,23 @@ def _loops(result: Periodic, ax: Axes | None) -> Figure:
     axes = ax or picture.add_subplot(1, 1, 1)
     order = np.argsort(result.loss)
     chosen = order[np.unique(np.linspace(len(order) // 2, len(order) - 1, MOST - 1).astype(int))]
-    for colour, k in enumerate(sorted(chosen.tolist())):
-        y, force = result.loop(k, source, 401)
-        y, force = np.append(y, y[0]), np.append(force, force[0])
+    loops = {k: result.loop(k, source, 401) for k in sorted(chosen.tolist())}
+    given = str(result.data["input_unit"].values[source])
+    stretch, along = scaled(
+        {"N": "m", "N m": "rad"}.get(given, "J"), [np.abs(y).max() for y, _ in loops.values()]
+    )
+    press, unit = scaled(given, [np.abs(force).max() for _, force in loops.values()])
+    for colour, (k, (y, force)) in enumerate(loops.items()):
         level = "" if result.data.attrs.get("over") != "level" else f", level {result.levels[k]:.3g}"
         axes.plot(
-            y,
-            force,
+            stretch * np.append(y, y[0]),
+            press * np.append(force, force[0]),
             color=COLOURS[colour],
             linewidth=1.4,
-            label=f"{result.frequencies[k]:.5g} Hz{level}: {result.work[k]:.3g} J",
+            label=f"{quantity(result.frequencies[k], 'Hz', 5)}{level}: {quantity(result.work[k], 'J', 3)}",
         )
-    unit = str(result.data["input_unit"].values[source])
-    along = {"N": "m", "N m": "rad"}.get(unit, "J")
     name = result.inputs[source]
-    told = "each loop encloses the work of the force in a cycle"
-    clean(axes, f"displacement along {name} [{along}]; {told}", f"{name} [{unit}]")
-    legend_above(axes, 3)
+    clean(axes, f"displacement along {name} [{along}]", f"{name} [{unit}]")
+    heading(axes, "Each loop encloses the work of the force in a cycle")
+    legend_over(axes, 3)
     return picture

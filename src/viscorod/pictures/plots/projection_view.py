@@ -37,6 +37,9 @@ _FINE, _MOST = (
 )  # drawn points between neighbouring stations, and of all rods unless they have more stations
 _AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the eye, z upwards
 _COILED = 2.5  # a rod longer than this multiple of its extent hides what is drawn over it
+_CORNER = (0.09, 0.05)  # of the axes, where its directions are shown
+_REACH, _LETTER = 34.0, 10.0  # of their arrows and of the letters there [pixels at 72 per inch]
+_TRIES = 5  # to make room for them
 _GAP = 1.25  # from picture to picture in a strip, as a multiple of their width
 
 
@@ -144,9 +147,9 @@ class View:
         for axis, direction in enumerate(self.projection.T):
             axes.annotate(
                 AXES[axis],
-                (0.09, 0.05),
+                _CORNER,
                 xycoords="axes fraction",
-                xytext=tuple(34.0 * direction),
+                xytext=tuple(_REACH * direction),
                 textcoords="offset points",
                 ha="center",
                 va="center",
@@ -170,6 +173,28 @@ class View:
         above = bottom + (1.0 + headroom) * axes.dataLim.height
         axes.update_datalim([(right, bottom - 4.5 * gap), (right, above)])  # room for the text
         axes.autoscale_view()
+        self._clear_corner(axes)
+
+    def _clear_corner(self, axes: Axes) -> None:
+        """Make room below what is drawn, as far as it is in the way of the directions of the axes."""
+        figure = axes.get_figure(root=True)
+        assert figure is not None
+        dot = figure.dpi / 72.0
+        drawn = np.concatenate([line.get_xydata() for line in axes.lines])
+        drawn = drawn[np.isfinite(drawn).all(axis=1)]
+        for _ in range(_TRIES):
+            axes.apply_aspect()
+            box, pixels = axes.bbox, axes.transData.transform(drawn)
+            middle = np.array([box.x0, box.y0]) + np.array(_CORNER) * [box.width, box.height]
+            room = dot * (_REACH + _LETTER)
+            inside = pixels[np.abs(pixels[:, 0] - middle[0]) < room]
+            inside = inside[(inside[:, 1] > box.y0 - dot) & (inside[:, 1] < middle[1] + room)]
+            if not inside.size:
+                return
+            lacking = (middle[1] + room - float(inside[:, 1].min())) / box.height
+            (low, high) = axes.get_ylim()
+            axes.update_datalim([(float(np.mean(axes.get_xlim())), low - lacking * (high - low))])
+            axes.autoscale_view()
 
 
 class Curves:
