@@ -218,13 +218,14 @@ def beside_finer(
     """Run an analysis on a mesh and on the one with all elements halved; their differences are the estimated errors.
 
     While one is more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh becomes the
-    coarser one.
+    coarser one; so it does if Newton's method fails on a first mesh that the program chose.
 
     Args:
         analysis: what is run; discrete, settings: its arguments.
         compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
-    found, before = analysis(discrete, settings), np.inf
+    discrete, found = _first_found(analysis, discrete, settings)
+    before = np.inf
     if not discrete.watch.feasible:
         return found
     free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
@@ -250,6 +251,28 @@ def beside_finer(
             discrete = discrete.on_mesh(halved)
             found = analysis(discrete, settings)
     return found
+
+
+def _first_found(
+    analysis: Callable[[DiscreteModel, S], Q], discrete: DiscreteModel, settings: S
+) -> tuple[DiscreteModel, Q]:
+    """Return a result and the model on its mesh: the first one, or a finer one if the search failed on that."""
+    try:
+        return discrete, analysis(discrete, settings)
+    except SolveError as error:
+        free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
+        failed = error.run is not None and error.run.outcome == "failed"
+        if not (failed and free and discrete.watch.feasible):
+            raise
+        halved = {
+            name: division.halved() if name in free else division
+            for name, division in divisions_of(discrete.problem).items()
+        }
+        finer = discrete.on_mesh(halved)
+        try:
+            return finer, analysis(finer, settings)
+        except SolveError as other:
+            raise (other if other.run is not None and other.run.outcome == "interrupted" else error) from None
 
 
 def refined_response(
