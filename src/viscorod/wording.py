@@ -73,14 +73,21 @@ def show(value: Any) -> str:
     if isinstance(value, int) and value.bit_length() > 1000:
         return "a whole number of more than 300 digits"
     if isinstance(value, float | str | int):
-        return _SHORT.repr(value)
+        return _SHORT.repr(_plain(value))
     if hasattr(type(value), "model_fields"):  # described by its name
         return type(value).__name__
     if hasattr(value, "magnitude") or hasattr(value, "to_value"):  # a quantity with a unit
         return _SHORT.repr(str(value))
-    plain = value.tolist() if hasattr(value, "tolist") else value  # NumPy scalars and arrays
-    text = _SHORT.repr(plain)
+    text = _SHORT.repr(_plain(value))
     return text if len(text) <= _LONGEST else f"{text[: _LONGEST - 3]}..."
+
+
+def _plain(value: Any) -> Any:
+    """Return NumPy scalars and arrays, and those in a list or tuple, as the numbers that they show."""
+    if type(value) in (list, tuple):
+        first = value[: _SHORT.maxlist + 1]
+        return type(value)(one.tolist() if type(one).__module__ == "numpy" else one for one in first)
+    return value.tolist() if hasattr(value, "tolist") else value
 
 
 def path_text(loc: Iterable[str | int]) -> str:

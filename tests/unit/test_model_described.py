@@ -1,5 +1,6 @@
 """The base of the user's objects, the texts of its errors, and the settings built on it."""
 
+import numpy as np
 import pytest
 
 from viscorod.errors import Fault, InputError
@@ -176,3 +177,8 @@ def test_an_unknown_key_is_compared_with_those_that_are_given_too(key, meant):
     """A misspelt name beside the right one, as in the numbers of a sweep, is that name, not the next best free one."""
     with pytest.raises(InputError, match=f"did you mean {meant}\\?"):
         Material(1e6, 0.3, 1000.0, **{key: 2.0})
+
+
+def test_numbers_of_numpy_in_tuples_are_shown_as_numbers():
+    with pytest.raises(InputError, match=r"position: \(0.1, 0, \[1.0, 2.0\]\): no such key"):
+        Sphere(0.1, density=1000.0, position=(np.float64(0.1), 0, np.array([1.0, 2.0])))

@@ -90,23 +90,37 @@ def refined(analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, 
 
 
 def on_fine_enough(
-    analysis: Callable[[DiscreteModel, S], R], discrete: DiscreteModel, settings: S
+    analysis: Callable[[DiscreteModel, S], R],
+    discrete: DiscreteModel,
+    settings: S,
+    *,
+    failing: bool = False,
 ) -> tuple[R, DiscreteModel]:
     """Run an analysis, on elements half as long where these are too long to tell which way their nodes turn.
+
+    Args:
+        analysis: what is run; discrete, settings: its arguments.
+        failing: whether it is run on elements half as long once more, too, where it fails for another reason.
 
     Returns:
         the result, and the model on the mesh that it has.
 
     Raises:
-        SolveError: of the analysis; the program may not choose the mesh, or another fails for another reason.
+        SolveError: of the analysis, on the first mesh if another does not help; the program may not choose the mesh.
     """
+    first: SolveError | None = None
     while True:
         try:
             return analysis(discrete, settings), discrete
         except SolveError as error:
-            divisions = discrete.watch.halved() if error.coarse else None
+            outcome = None if error.run is None else error.run.outcome
+            if first is not None and outcome != "interrupted":
+                raise first from None
+            again = error.coarse or (failing and first is None and outcome == "failed")
+            divisions = discrete.watch.halved() if again else None
             if divisions is None:
                 raise
+            first = None if error.coarse else error
         discrete = discrete.on_mesh(divisions)
 
 
@@ -281,13 +295,13 @@ def beside_finer(
     """Run an analysis on a mesh and on the one with all elements halved; their differences are the estimated errors.
 
     While one is more than ``accuracy``, and the program may choose the mesh of a rod, the finer mesh becomes the
-    coarser one.
+    coarser one; so it does if Newton's method fails on a first mesh that the program chose.
 
     Args:
         analysis: what is run; discrete, settings: its arguments.
         compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
-    found, discrete = on_fine_enough(analysis, discrete, settings)
+    found, discrete = on_fine_enough(analysis, discrete, settings, failing=True)
     before = np.inf
     if not discrete.watch.feasible:
         return found

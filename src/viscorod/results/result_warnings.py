@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 _GAP = 1e-2
 _MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
+_LOAD = 0.01  # accepted error of critical loads by the mesh, as a part of each
 _MODES = 0.1  # accepted difference from the motion in half as many modes, whose error is the larger one
 _OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
@@ -34,8 +35,9 @@ def warnings_of(result: Result) -> list[str]:
     Stored ones are the JSON lists of texts in the attributes ``doubts`` (about the model) and ``warnings``. Added are:
     a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
     more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
-    the largest section force, or could not be estimated, and shear, stretch, or bending and twist times half width
-    beyond 0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    the largest section force, or could not be estimated, critical loads that change by more than 1 % with it, and
+    shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains
+    (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.data
     stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
@@ -52,7 +54,7 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    texts += _mesh_warnings(result) + _mode_warnings(result)
+    texts += _mesh_warnings(result) + _critical_warnings(data) + _mode_warnings(result)
     return texts + _strain_warnings(result)
 
 
@@ -115,6 +117,21 @@ def _mesh_warnings(result: Result) -> list[str]:
             "look for another solution nearby"
         )
     return texts
+
+
+def _critical_warnings(data: xr.Dataset) -> list[str]:
+    """Return a warning of critical loads that change with the mesh."""
+    errors = data["critical_error"].values if "critical_error" in data else np.zeros(0)
+    doubtful = np.flatnonzero(errors > _LOAD)
+    if not len(doubtful):
+        return []
+    numbers = ", ".join(str(k + 1) for k in doubtful)
+    which = f"critical load {numbers} is" if len(doubtful) == 1 else f"critical loads {numbers} are"
+    return [
+        f"{which} another by up to {number(100.0 * float(errors.max()), 2)} % on a finer mesh; use more elements. "
+        "If that does not help, something is free to move without stiffness at every load, such as a round ring "
+        "about its own line: hold it"
+    ]
 
 
 def _strain_warnings(result: Result) -> list[str]:

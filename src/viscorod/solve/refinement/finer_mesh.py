@@ -67,8 +67,8 @@ class FinerMesh:
     Attributes:
         problem, system, supports, static: of the finer mesh.
         divisions: of the coarse one; halves: its elements read in their halves.
-        reference: positions of the finer stations in the reference shape ``(stations, 3)`` [m]; coarse_reference: where
-            the coarse mesh has them.
+        reference: positions of the finer stations in the reference shape ``(stations, 3)`` [m]; reference_turns: their
+            unit quaternions ``(stations, 4)``; coarse_reference: positions where the coarse mesh has them.
     """
 
     def __init__(self, model: ModelDescription, coarse: Problem) -> None:
@@ -82,7 +82,7 @@ class FinerMesh:
         self.supports = SupportState(self.problem)
         self.static = StaticSolver(self.system, self.supports)
         self.reader, self._coarse_reader = StationReader(self.problem), StationReader(coarse)
-        self.reference = self.stations(self.problem.positions, self.problem.quaternions)[0]
+        self.reference, self.reference_turns = self.stations(self.problem.positions, self.problem.quaternions)
         self.coarse_reference = self.interpolated(coarse.positions, coarse.quaternions)[0]
 
     def stations(self, r: Floats, q: Floats) -> tuple[Floats, Floats]:

@@ -24,7 +24,8 @@ LEAST_MOTION = 1e-8
 FAINT = 1e5
 """Section forces below this many times their round-off are taken as this."""
 MINOR = 1e-2
-"""Part of the forces, times the length, that counts as moments where there are none, and the other way round."""
+"""Part of the forces, times the length, that counts as moments where there are none, and the other way round; and of
+the rotations, times the length, that counts as displacement where rods turn about themselves and nothing else moves."""
 
 
 @dataclass(frozen=True)
@@ -33,7 +34,8 @@ class MeshEstimate:
 
     Attributes:
         rods: rod -> error of displacements over its length, anywhere on it.
-        gap: the largest error of positions [m]; moved: the largest displacement, at most the model's length [m].
+        gap: the largest error of positions [m]; moved: the largest displacement, at most the model's length, and no
+            less than ``MINOR`` of the largest rotation times that [m].
         forces: the largest force [N] and moment [N m] of sections ``(2,)``.
         elements: rod -> what ``gap`` would be if all were like this element [m], and its errors of the force [N] and
             of the moment [N m] of sections, anywhere in it ``(elements, 3)``.
@@ -126,6 +128,9 @@ def difference(
     theirs = np.array([shape.section_force for shape in found])
     fine_r, fine_q = finer.stations(*(np.array([getattr(s.state, name) for s in found]) for name in "rq"))
     moved = float(np.linalg.norm(fine_r - finer.reference, axis=-1).max(initial=0.0))
+    turns = product(conjugate(np.broadcast_to(finer.reference_turns, fine_q.shape)), fine_q)
+    sine = np.linalg.norm(turns[..., 1:], axis=-1).max(initial=0.0)
+    moved = max(moved, MINOR * min(2.0 * float(sine), 1.0) * coarse.length)
     forces = np.linalg.norm(theirs.reshape(-1, 2, 3), axis=2).max(axis=0)
     forces = np.maximum(forces, FAINT * _round_off(finer, r))
     gaps = (r - finer.coarse_reference) - (fine_r - finer.reference)

@@ -93,6 +93,8 @@ def continue_to(
         start: the present value, if not that of the measure.
     """
     origin = equations.measure(kind)[0] if start is None else start
+    if origin == target:  # nothing to halve
+        return newton(equations, kind, target, effort)
     done, step = 0.0, 1.0
     while done < 1.0:
         step = min(step, 1.0 - done)
