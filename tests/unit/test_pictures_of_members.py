@@ -4,8 +4,12 @@ import itertools
 
 import numpy as np
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.strip import content
+from viscorod.casefile.case import case_from_dict
+from viscorod.cli.app import app
 from viscorod.pictures.style import figure, without_round_off
 from viscorod.results.ensemble import Ensemble
 from viscorod.results.ensemble_design import Design
@@ -54,6 +58,27 @@ def test_a_legend_stays_in_the_picture_and_below_the_title(others):
     assert picture.axes[0].get_window_extent(render).height > 300  # pixels: the axes keep their size
 
 
+def test_axes_have_units(tmp_path):
+    """Those of the case file's keys, also of a sweep that was kept; a key without one has none."""
+    pytest.importorskip("pyarrow")
+    case = case_from_dict(content("equilibrium"))
+    values = {FORCE: [1e-4, 2e-4], "rods.beam.elements": [1, 2], "sections.thin.width": ["9 mm", "10 mm"]}
+    grid = {MODULUS: [1e6, 2e6]}
+    tip = {"tip [m]": ("displacement", "beam.end", "y")}
+    sweep = vr.sweep(case, values, grid=grid, quantities=tip, workers=1, errors=0, folder=tmp_path / "sweep")
+    kept = [tmp_path / "sweep", sweep.save(tmp_path / "sweep.nc"), sweep.save(tmp_path / "sweep.parquet")]
+    for one in (sweep, *(vr.load(path, Sweep) for path in kept)):
+        assert one.members.rows.units == {FORCE: "N", "sections.thin.width": "m", MODULUS: "Pa"}
+        assert one.plot(x=MODULUS).axes[0].get_xlabel() == f"{MODULUS} [MPa]"
+        assert one.plot(x="sections.thin.width").axes[0].get_xlabel() == "sections.thin.width [mm]"
+        assert one.plot(x="rods.beam.elements").axes[0].get_xlabel() == "rods.beam.elements"
+        label = one.plot(x=FORCE).axes[0].get_legend().get_texts()[0].get_text()
+        assert "youngs_modulus = 1e+06 Pa" in label
+        assert "width = 9 mm" in label
+        assert one.data[MODULUS].attrs["units"] == "Pa"
+        assert "units" not in one.data["rods.beam.elements"].attrs
+
+
 @pytest.mark.parametrize("n", [8, 1024])
 def test_intervals_without_bounds_are_arrows_and_are_told(n):
     """Of 8 members none bounds the outer quantiles, of 1024 all are bounded; each caption stays in its picture."""
@@ -91,12 +116,6 @@ def test_rounding_is_drawn_as_nothing(spread, flat):
 
 def test_the_command_draws_fans(tmp_path, monkeypatch):
     """A history that was asked for has its picture."""
-    from typer.testing import CliRunner
-
-    from helpers.strip import content
-    from viscorod.casefile.case import case_from_dict
-    from viscorod.cli.app import app
-
     monkeypatch.chdir(tmp_path)
     model = case_from_dict(content("equilibrium")).model(vr.Model)
     (tmp_path / "strip.toml").write_text(model.to_toml(None, "simulate", duration=0.05))

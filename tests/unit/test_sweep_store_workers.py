@@ -115,12 +115,15 @@ def test_a_report_reads_one_result_of_each_layout(folder, monkeypatch):
     assert len(read) == 2
 
 
-def test_folders_of_before_know_no_layouts(folder, tmp_path):
+def test_folders_of_before_know_no_layouts_and_no_checksums(folder, tmp_path):
     """Lines of members without theirs are read by comparing results, to the same end."""
     place = shutil.copytree(folder, tmp_path / "sweep")
     for lines in (place / "members").glob("*.jsonl"):
         records = [json.loads(line) for line in lines.read_text().splitlines() if line]
-        lines.write_text("".join(f"\n{json.dumps(r | {'result': r['result'][:3]})}\n" for r in records))
+        for record in records:
+            record["result"] = record["result"][:3]
+            del record["sum"]
+        lines.write_text("".join(f"\n{json.dumps(record)}\n" for record in records))
     sweep = vr.load(place, Sweep)
     assert sweep.members.stored(0).layout == ""
     assert sweep.separate == vr.load(folder, Sweep).separate

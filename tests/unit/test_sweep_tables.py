@@ -570,7 +570,7 @@ def test_what_all_members_share_has_no_lines_of_its_own(held):
     constants = {"materials.rubber.density": 900.0}
     sweep = vr.sweep(held, values, constants=constants, quantities={"tip": TIP}, workers=1)
     (axes,) = sweep.plot().axes
-    assert axes.get_xlabel() == FORCE
+    assert axes.get_xlabel() == f"{FORCE} [µN]"
     assert axes.get_legend() is None
     (line,) = (line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert list(line.get_xdata()) == [1e-4, 2e-4]

@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from viscorod.analyses.progress import counting
-from viscorod.analyses.sweeps.before_computing import checked, require_sendable
+from viscorod.analyses.sweeps.before_computing import checked, require_sendable, units_of
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
@@ -123,6 +123,7 @@ def sweep(
     # what is there already was looked at before
     some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])
     notes = checked(case, {k: rows[k] for k in some}, wanted, keep)
+    rows.units = units_of(case, rows)
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     if store is not None:

@@ -26,6 +26,7 @@ def record_of(members: SweepMembers, notes: Sequence[str]) -> str:
     record = {
         "notes": notes,
         "quantities": list(members.found.quantities),
+        "units": members.rows.units,
         "members": [
             {
                 "number": member.number,
@@ -57,6 +58,7 @@ def members_of(data: xr.Dataset, path: Path) -> tuple[SweepMembers, list[str]]:
             "take another copy of the file, or compute it again"
         ) from None
     members = SweepMembers.of((_member(row, data, path) for row in record.members), record.quantities)
+    members.rows.units = record.units
     return members, record.notes
 
 
@@ -77,6 +79,7 @@ class _Record(BaseModel):
 
     notes: list[str]
     quantities: list[str] = []
+    units: dict[str, str] = {}
     members: list[_Row]
 
     @model_validator(mode="after")

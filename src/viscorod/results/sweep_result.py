@@ -176,7 +176,9 @@ class Sweep(WellNamed, Shown, Alike):
         variables: dict[str, Any] = {}
         coordinates: dict[str, Any] = {"member": numbers}
         for name, column in self.members.rows.columns.items():
-            coordinates[name] = ("member", along_members([column[k] for k in numbers]))
+            values = along_members([column[k] for k in numbers])
+            unit = self.members.rows.units.get(name) if values.dtype.kind in "if" else None
+            coordinates[name] = ("member", values, {"units": unit} if unit else {})
         for name, values in self._figures().items():
             if len(numbers) and not np.isnan(values[numbers]).any():
                 attributes = {"units": FIGURES[name].unit, "long_name": FIGURES[name].words}

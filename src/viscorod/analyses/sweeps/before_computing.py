@@ -11,11 +11,13 @@ from viscorod.analyses.sweeps.member_work import MemberWork, member_content
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case, case_from_dict
 from viscorod.casefile.known_parts import KnownParts
+from viscorod.casefile.unit_conversion import unit_at
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 from viscorod.results.quantities import Quantity
+from viscorod.results.sweep_members import Rows
 
-__all__ = ["checked", "require_sendable"]
+__all__ = ["checked", "require_sendable", "units_of"]
 
 
 def checked(case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
@@ -43,6 +45,16 @@ def checked(case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity],
         told = [_with_members(fault, numbers, rows) for fault, numbers in problems.values()]
         raise InputError(told, heading=str(case.source) if case.source else "case")
     return list(dict.fromkeys(notes))
+
+
+def units_of(case: Case, rows: Rows) -> dict[str, str]:
+    """Return the SI units of the keys whose values are numbers that have one."""
+    found = {
+        key: unit_at(case.content, key)
+        for key, column in rows.columns.items()
+        if isinstance(column[0], int | float | str) and not isinstance(column[0], bool)
+    }
+    return {key: unit for key, unit in found.items() if unit not in ("", "1")}
 
 
 def _with_members(fault: Fault, numbers: Sequence[int], rows: Mapping[int, Row]) -> Fault:

@@ -64,6 +64,8 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
     if not len(table):
         raise InputError("no member of this sweep was computed to its end; its report says why")
     table, units = _in_numbers(table, sweep.parameters)
+    known_units = sweep.members.rows.units.items()
+    units = {key: unit for key, unit in known_units if table[key].dtype.kind in "fiu"} | units
     listed = [key for key in sweep.parameters if table[key].dtype.kind not in "biuf"]
     table = table.assign(
         **{key: [_text(one) for one in table[key]] for key in listed}

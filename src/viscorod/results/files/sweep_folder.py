@@ -77,6 +77,7 @@ class SweepFolder:
                 "notes": list(notes),
                 "names": list(names),
                 "values": rows.columns,
+                "units": rows.units,
                 "quantities": list(numbers),
             },
             default=plain,
@@ -195,7 +196,7 @@ class SweepFolder:
                 ) from None
         found = FoundMembers(len(names), map(str, about.get("quantities", [])))
         self.take(names, found)
-        members = SweepMembers(Rows(columns, len(names)), found)
+        members = SweepMembers(Rows(columns, len(names), about.get("units")), found)
         notes = [str(note) for note in about.get("notes", [])]
         sweep = Sweep(members, str(about.get("title", "")), notes)
         record = self.path / DESIGN

@@ -62,6 +62,7 @@ def write_table(
         "title": sweep.title,
         "notes": list(sweep.notes),
         "parameters": list(sweep.parameters),
+        "units": sweep.members.rows.units,
         "as_json": texts,
         "quantities": list(sweep.quantities),
         **sweep.attributes(),
@@ -104,6 +105,7 @@ def sweep_of_table(
                 for key in about["parameters"]
             },
             count,
+            about.get("units"),
         )
         quantities = _columns(table, about["quantities"])
         figures = _columns(table, [name for name in FIGURES if name in table])
