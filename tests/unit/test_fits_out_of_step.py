@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq
 
 import viscorod as vr
+from viscorod.analyses.identification.growing_windows import growing_windows
 from viscorod.casefile.case import case_from_dict
 
 LENGTH, WIDTH, HEIGHT, DENSITY = 0.5, 0.02, 0.005, 1200.0
@@ -89,3 +90,24 @@ def test_steps_are_refined_until_they_damp_less_than_is_known():
     kept = vr.identify(case(2.02e9, tolerance=1e-5), measured, near, profile=False)
     assert any("A tenth of the tolerance" in one for one in kept.sentences)
     assert abs(kept[TIMES_KEYS].value / TIME - 1.0) > abs(fit[TIMES_KEYS].value / TIME - 1.0)
+
+
+def test_first_cycles_begin_with_the_release_that_the_record_shows():
+    """0.5 s, where nothing is said of it; what is believed of it stays, and windows grow twofold."""
+    free, believed = (
+        record(unknown=[one], name=name)
+        for one, name in (
+            ("release_time", "free"),
+            (vr.Unknown("release_time", 0.6, deviation=0.1), "believed"),
+        )
+    )
+    pairs = [(case(YOUNG), free), (case(YOUNG), believed)]
+    windows = [[one for _, one in short] for short in growing_windows(pairs)]
+    assert windows[0][0].nuisances["free.release_time"].start == pytest.approx(0.5, abs=0.02)
+    assert windows[0][1].nuisances["believed.release_time"].start == 0.6
+    assert free.nuisances["free.release_time"].start == 0.0
+    ends = np.array([one[0].times[-1] for one in windows])
+    passage = 0.5 + 0.25 / 4.17
+    cycles = 4.17 * (ends - passage)
+    assert cycles == pytest.approx(1.5 * 2.0 ** np.arange(len(ends)), abs=0.1)
+    assert 6.0 < cycles[-1] < 12.1

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -79,7 +79,7 @@ class Foretold:
     measured_frequency_width: float
     measured_ratio: float
     measured_ratio_width: float
-    rests_on: str = ""
+    rests_on: str = field(default="", kw_only=True)
 
     COLUMNS: ClassVar[tuple[str, ...]] = (
         "foretold_frequency",

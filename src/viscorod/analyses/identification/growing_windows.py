@@ -63,10 +63,18 @@ def _window(record: Any, cycles: float) -> Any:
     hertz = vibrating(record)[0] if isinstance(record, Record) else 0.0
     if hertz <= 0.0:
         return record
-    release = [one.start or 0.0 for one in record.nuisances.values() if one.name == "release_time"]
-    end = max([start_of(record.times, record.values), *release]) + cycles / hertz
+    passage = start_of(record.times, record.values)
+    releases = {full: one for full, one in record.nuisances.items() if one.name == "release_time"}
+    end = max([passage, *(one.start or 0.0 for one in releases.values())]) + cycles / hertz
     inside = int(np.count_nonzero(record.times <= end))
-    return record.window(record.times[0], end) if FEWEST <= inside < len(record.times) else record
+    if not FEWEST <= inside < len(record.times):
+        return record
+    found = record.window(record.times[0], end)
+    for full, one in releases.items():  # what was held aside passes through rest a quarter of a period later
+        if not np.isfinite(one.deviation):  # else the start is what is believed
+            start = float(np.clip(passage - 0.25 / hertz, one.low, one.high))
+            found.nuisances[full] = replace(one, start=start)
+    return found
 
 
 def _no_longer_than_needed(case: Case) -> Case:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -82,7 +82,9 @@ def fitted(
                 squares = f"{_misfit(led):.6g} in place of {_misfit(found):.6g}"
                 report(f"led by the first cycles: sum of squares {squares}")
             found = led
-    return _with_finer_steps(given, pairs, found, coloured=coloured, report=report) if final else found
+    if final:
+        found = _with_finer_steps(given, pairs, found, coloured=coloured, report=report)
+    return replace(found, estimate=replace(found.estimate, evaluations=sum(given.evaluations)))
 
 
 def _with_finer_steps(
@@ -106,13 +108,14 @@ def _with_finer_steps(
 
 @dataclass(frozen=True)
 class _Search:
-    """What is sought, and how."""
+    """What is sought, and how; with the evaluations of every fit so far."""
 
     parameters: Mapping[str, Range]
     nuisances: Mapping[str, Range]
     robust: bool
     seed: int
     only_nuisances: bool
+    evaluations: list[int] = field(default_factory=list)
 
     def fitted(
         self,
@@ -142,6 +145,7 @@ class _Search:
             report=report,
             begin=_coordinates(unknowns, begin),
         )
+        self.evaluations.append(best.evaluations)
         return Fitted(members, best, covariance(best))
 
 
