@@ -467,6 +467,10 @@ def test_what_was_left_out_decides_between_laws_of_one_frequency():
     excluded = [text for text in fit.sentences if text.startswith("Excluded by what was left out")]
     assert [text.split(":")[1].split(".")[0].strip() for text in excluded] == ["kelvin_voigt"]
     assert "Records left out, foretold and measured" in fit.report()
+    (told,) = [text for text in fit.sentences if text.startswith("flat_loss foretells")]
+    assert "The frequencies differ by no more than these intervals; " in told
+    # a weight of 30 +- 0.3 g moves the frequency by half of a hundredth of it, if it were all that moves
+    assert "rests on what was believed of heavy.weight (0.03 +- 0.0003 in SI)" in told
 
 
 def test_a_ratio_that_depends_on_the_amplitude_is_not_called_the_materials():

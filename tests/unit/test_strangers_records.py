@@ -7,6 +7,7 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
+from viscorod.records.record_table import record_of
 
 TIMES = np.arange(12) * 0.01
 VALUES = np.round(5e-3 * np.sin(9.0 * TIMES), 9)
@@ -283,3 +284,77 @@ def test_a_marker_that_was_not_seen_is_a_gap(tmp_path):
         vr.Record.read(tmp_path / "a.c3d", "tip y", **HOW)
     seen = vr.Record.read(tmp_path / "a.c3d", "tip y", gaps="leave out", **HOW)
     assert seen.values == pytest.approx(1e-3 * np.array([0.0, 1.0, 2.0, 4.0, 6.0, 7.0]))
+
+
+TEKTRONIX = """Record Length,4,,-0.002,1.25,
+Sample Interval,0.002,,0.000,1.50,
+Source,CH1,,0.002,1.75,
+,,,0.004,2.00,
+"""
+
+
+def test_settings_beside_the_samples_of_an_oscilloscope(tmp_path):
+    """The first rows, whose first cells are words, are samples too; words in a column that is asked for are told."""
+    file = tmp_path / "scope.csv"
+    file.write_text(TEKTRONIX)
+    about = {
+        "place": "beam.end",
+        "quantity": "displacement",
+        "direction": "y",
+        "unit": "2 mm",
+        "time_unit": "s",
+    }
+    found = vr.Record.read(file, 5, time=4, **about)
+    assert found.times == pytest.approx([-0.002, 0.0, 0.002, 0.004])
+    assert found.values == pytest.approx(2e-3 * np.array([1.25, 1.5, 1.75, 2.0]))
+    for gaps in ("refuse", "leave out"):
+        with pytest.raises(vr.InputError, match="line 3, column 2: 'CH1': this is no number"):
+            vr.Record.read(file, 2, time=4, gaps=gaps, **about)
+
+
+def test_frames_of_a_tracker_with_lost_ones_have_their_times(tmp_path):
+    """Numbers of frames are times in units of 1/30 s, and pixels stand behind the name."""
+    file = tmp_path / "frames.csv"
+    file.write_text("frame,x_px,y_px\n0,10,20\n1,10,21\n4,10,24\n5,10,25\n")
+    found = vr.Record.read(
+        file, "y", time="frame", time_unit="1/30 s", unit="-0.5 mm", place="beam.end", quantity="position",
+        direction="z",
+    )  # fmt: skip
+    assert found.times == pytest.approx(np.array([0.0, 1.0, 4.0, 5.0]) / 30.0)
+    assert found.values == pytest.approx(-5e-4 * np.array([20.0, 21.0, 24.0, 25.0]))
+
+
+@pytest.mark.parametrize(
+    ("measure", "given"),
+    [
+        ("ratio", 0.02),
+        ("percent", 2.0),
+        ("quality_factor", 25.0),
+        ("loss_factor", 0.04),
+        ("log_decrement", 2.0 * np.pi * 0.02 / np.sqrt(1.0 - 0.02**2)),
+    ],
+)
+def test_damping_of_a_table_of_modes_by_any_measure(measure, given, tmp_path):
+    """By the definitions; the decrement is ln of amplitudes one cycle apart."""
+    assert vr.ModesRecord([5.0], [given], damping_as=measure).damping_ratios == pytest.approx([0.02])
+    file = tmp_path / "modes.csv"
+    file.write_text(f"frequency [Hz],d\n5.0,{given}\n")
+    more = {} if measure != "ratio" else {"damping_ratio_unit": "1"}
+    table = {"kind": "modes", "file": file.name, "damping_ratio": "d", "damping_as": measure, **more}
+    assert record_of(table, tmp_path).damping_ratios == pytest.approx([0.02])
+
+
+@pytest.mark.parametrize(("measure", "value"), [("Q", 25.0), ("quality_factor", 0.0), ("ratio", 2.0)])
+def test_damping_that_is_none_is_refused(measure, value):
+    with pytest.raises(vr.InputError, match="damping"):
+        vr.ModesRecord([5.0], [value], damping_as=measure)
+
+
+def test_a_response_that_is_read_says_which_input_of_the_model_it_has(tmp_path):
+    """The file is given by its place: ``source`` was the name of two arguments."""
+    file = tmp_path / "frf.csv"
+    file.write_text("f [Hz],re [m/s^2/N],im [m/s^2/N]\n1,1,0\n2,2,1\n")
+    found = vr.ResponseRecord.read(file, ["re", "im"], source="beam.end fz", output="beam.end az")
+    assert (found.source, found.output) == ("beam.end fz", "beam.end az")
+    table = {"kind": "response", "file": file.name, "value": ["re", "im"], "source": "beam.end fz"}
+    assert record_of(table, tmp_path).source == "beam.end fz"

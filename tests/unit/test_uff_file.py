@@ -66,9 +66,20 @@ def test_a_response_is_found_among_coherences_spectra_and_histories(tmp_path):
         (units(1000.0, 1000.0), ("mm/s^2", "mN"), 1.0),
         (units(1000.0, 1.0), ("NONE", "NONE"), 1e-3),
         ("", ("g", "N"), 9.80665),
+        ("", ("g/N", "NONE"), 9.80665),
+        ("", ("(mm/s^2)/N", "NONE"), 1e-3),
         ("", ("remark", "N"), 1.0),
+        ("", ("a/b", "NONE"), 1.0),
     ],
-    ids=["mm and mN", "mm and N", "g by its label", "no unit in a label"],
+    ids=[
+        "mm and mN",
+        "mm and N",
+        "g by its label",
+        "g/N in one label",
+        "mm/s^2/N in one",
+        "no unit",
+        "no units",
+    ],
 )
 def test_units_are_those_of_data_set_164_or_of_the_labels(tmp_path, before, labels, size):
     found = read(tmp_path, before + function(4, (2, 3), (1, -3), ACCELERANCE, (12, 13), labels), name="a.txt")

@@ -5,22 +5,21 @@ from __future__ import annotations
 import json
 import time
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.common_faults import common_faults
 from viscorod.analyses.identification.faults_without_time import faults_without_time
+from viscorod.analyses.identification.finer_steps import steps_told
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
 from viscorod.analyses.identification.laws import compared_laws, require_laws
-from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.named_combinations import combinations
 from viscorod.analyses.identification.record_frequencies import dominant_frequencies
-from viscorod.analyses.identification.sought import Range, series_of, sought
+from viscorod.analyses.identification.search import Fitted, fitted
+from viscorod.analyses.identification.sought import Range
 from viscorod.analyses.identification.told import missed, sentences_of
 from viscorod.analyses.identification.unit_of import unit_of
 from viscorod.casefile.case import Case
@@ -28,40 +27,16 @@ from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import show
 from viscorod.results.identification import Identification
-from viscorod.solve.estimation.intervals import Covariance, Interval, covariance, intervals
-from viscorod.solve.estimation.least_squares import Estimate, Scaled, estimate, searched
+from viscorod.solve.estimation.intervals import Interval, intervals
+from viscorod.solve.estimation.least_squares import Scaled, searched
 from viscorod.solve.estimation.posterior import drawn
-from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
-__all__ = ["Fitted", "fitted", "identify"]
+__all__ = ["identify"]
 
 HELD_WITHIN = 1e-9
 """Distance between bounds, in logarithms, of a number that a profile holds."""
 Pairs = Sequence[tuple[Case, Any]]
-
-
-@dataclass(frozen=True, eq=False)
-class Fitted:
-    """A fit before it is a result: what was fitted, the estimate, what is known of it."""
-
-    members: list[Member]
-    estimate: Estimate
-    known: Covariance
-
-    @property
-    def unknowns(self) -> Unknowns:
-        """The unknowns."""
-        return self.estimate.unknowns
-
-    @property
-    def named(self) -> dict[str, float]:
-        """The fitted numbers by name."""
-        return dict(zip(self.unknowns.names, self.estimate.values.tolist(), strict=True))
-
-    def cases(self) -> list[Case]:
-        """Return the cases with the fitted numbers, settings as they were."""
-        return [case_with(member.case, member.numbers(self.named)) for member in self.members]
 
 
 def identify(
@@ -145,6 +120,7 @@ def identify(
         seed=seed,
         report=report,
         begin=compared.found.named if compared is not None else None,
+        final=True,
     )
     # those of a model that misses the motion do not hold in any case, and its sum of squares has no shape to follow
     limits = _intervals(found, level, profile=profile and not missed(found.estimate))
@@ -163,6 +139,7 @@ def identify(
         *common_faults(found.members, found.estimate),
         *faults_without_time(found.members, found.estimate),
         *sentences_of(found.estimate, found.known, limits, told, units),
+        *steps_told(found, pairs),
         *no_programs,
     ]
     if compared is not None:
@@ -231,50 +208,6 @@ def as_ranges(given: Mapping[str, Range] | Sequence[str]) -> dict[str, Range]:
     if isinstance(given, Mapping):
         return {str(key): value for key, value in given.items()}
     return dict.fromkeys([given] if isinstance(given, str) else map(str, given))
-
-
-def fitted(
-    pairs: Sequence[tuple[Case, Any]],
-    parameters: Mapping[str, Range],
-    nuisances: Mapping[str, Range],
-    *,
-    starts: int = 1,
-    robust: bool = False,
-    coloured: bool = True,
-    seed: int = 0,
-    report: Callable[[str], None] | None = None,
-    only_nuisances: bool = False,
-    begin: Mapping[str, float] | None = None,
-) -> Fitted:
-    """Fit, and return what `identify` makes a result of.
-
-    With ``only_nuisances`` there may be no parameters; the first start is at the unknowns of ``begin``.
-    """
-    members = members_of(pairs)
-    unknowns, beliefs = sought(members, parameters, nuisances, free=only_nuisances)
-    measured, series = series_of(members, unknowns, beliefs)
-    if len(measured) <= len(unknowns):
-        found = f"{len(measured)} values for {len(unknowns)} unknowns"
-        raise InputError(Fault("records", found, "there must be more values", "measure more, or seek less"))
-    predictions = CasePredictions(members, unknowns, [number for number, *_ in beliefs])
-    best = estimate(
-        predictions,
-        measured,
-        series,
-        unknowns,
-        starts=starts,
-        robust=robust,
-        coloured=coloured,
-        seed=seed,
-        report=report,
-        begin=_coordinates(unknowns, begin or {}),
-    )
-    return Fitted(members, best, covariance(best))
-
-
-def _coordinates(unknowns: Unknowns, named: Mapping[str, float]) -> Floats:
-    """Return where a search begins: at numbers that are known, else at the starts."""
-    return unknowns.coordinates(np.array([named.get(one.name, one.start) for one in unknowns]))
 
 
 def _scaled(found: Fitted) -> Scaled:

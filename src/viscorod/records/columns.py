@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import difflib
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -31,6 +31,7 @@ _SPELT = {
 """Other spellings of units; micro and epsilon are written as u or µ, and e."""
 _GRAVITIES = {"g": 1.0, "G": 1.0, "gn": 1.0, "mg": 1e-3, "mG": 1e-3, "ug": 1e-6, "µg": 1e-6}
 """Units of accelerometers, in `GRAVITY`: of an acceleration g is no gram."""
+_PLAIN_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 COUNTS = ("px", "pix", "pixel", "pixels", "V", "mV", "volt", "volts", "counts", "digits", "LSB")
 """What cameras and amplifiers give, of which only the user knows the size."""
 
@@ -44,12 +45,14 @@ class Columns:
         names: of the columns, without units.
         units: of the columns as written, None where the source does not say.
         values: real, or complex (rows, columns).
+        texts: of columns with a cell that is no number: its line and what it says; the value there is NaN.
     """
 
     source: str
     names: tuple[str, ...]
     units: tuple[str | None, ...]
     values: np.ndarray
+    texts: Mapping[int, tuple[int, str]] = field(default_factory=dict)
 
     def number(self, key: str, wanted: str | int) -> int:
         """Return the place of a column that is named or numbered from 1.
@@ -95,11 +98,15 @@ class Columns:
             names=(name, *(self.names[k] for k in kept)),
             units=("s", *(self.units[k] for k in kept)),
             values=np.column_stack([times, self.values[:, kept]]),
+            texts={place: self.texts[k] for place, k in enumerate(kept, 1) if k in self.texts},
         )
 
     def without_gaps(self, wanted: Sequence[tuple[str, str | int]]) -> Columns:
         """Return the rows in which some columns, each with its argument, have numbers."""
-        chosen = self.values[:, [self.number(key, one) for key, one in wanted]]
+        places = [self.number(key, one) for key, one in wanted]
+        for k in places:
+            self._require_numbers(k)
+        chosen = self.values[:, places]
         return replace(self, values=self.values[np.isfinite(chosen).all(axis=1)])
 
     def si(self, key: str, wanted: str | int, unit: str, given: str | None = None) -> Floats:
@@ -115,6 +122,7 @@ class Columns:
             InputError: no unit is known, or one of another kind; or there is a gap.
         """
         k = self.number(key, wanted)
+        self._require_numbers(k)
         written = self.units[k]
         column = f"column {self.names[k] or k + 1}"
         argument = "unit" if key == "value" else f"{key}_unit"
@@ -160,6 +168,18 @@ class Columns:
         found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
         return found
 
+    def _require_numbers(self, k: int) -> None:
+        if k in self.texts:
+            line, cell = self.texts[k]
+            raise InputError(
+                Fault(
+                    f"{self.source}: line {line}, column {self.names[k] or k + 1}",
+                    show(cell),
+                    "this is no number",
+                    "give a number, or leave the cell empty where nothing was measured",
+                )
+            )
+
     def _refused(self, key: str, found: object, why: str, instead: str) -> InputError:
         return InputError(Fault(f"{self.source}: {key}", show(found), why, instead))
 
@@ -195,9 +215,11 @@ def si_factor(source: str, column: str, written: str, unit: str) -> float:
 
 
 def _number_and_unit(text: str) -> tuple[float | None, str]:
-    """Return the number and the unit of the size of one count, "0.21 mm"; None where a unit stands alone."""
-    found = re.fullmatch(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s+(\S.*)", text)
-    return (None, text) if found is None else (float(found[1]), found[2])
+    """Return the number and the unit of the size of one count, "0.21 mm", "1/30 s"; None where a unit stands alone."""
+    found = re.fullmatch(rf"\s*([+-]?{_PLAIN_NUMBER})(?:\s*/\s*({_PLAIN_NUMBER}))?\s+(\S.*)", text)
+    if found is None or (found[2] is not None and float(found[2]) == 0.0):
+        return None, text
+    return float(found[1]) / float(found[2] or 1.0), found[3]
 
 
 def si_size(source: str, column: str, written: str) -> float:
@@ -234,7 +256,7 @@ def name_and_unit(cell: str) -> tuple[str, str | None]:
             return found["name"].strip(), _PLAIN.get(unit.strip(), unit.strip()) or None
     for mark in (",", "_", " "):
         name, _, unit = text.rpartition(mark)
-        if name and _is_unit(unit.strip()):
+        if name and (_is_unit(unit.strip()) or (mark == "_" and unit in COUNTS)):
             return name.strip(), unit.strip()
     two = re.fullmatch(r"(.+?)[_ ](mm?|cm|[km]?N|um|µm)_(s2?)", text)
     if two:

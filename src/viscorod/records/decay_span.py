@@ -13,7 +13,7 @@ from viscorod.records.motion_record import Record
 from viscorod.records.stray_samples import MOST, dropouts, spikes
 from viscorod.typing import Floats
 
-__all__ = ["FEWEST", "DecaySpan"]
+__all__ = ["FEWEST", "DecaySpan", "start_of"]
 
 FEWEST = 16
 """Samples of a decay at least."""
@@ -48,7 +48,7 @@ class DecaySpan:
         """Return the span from the first passage through rest, or what was given."""
         dropped = dropouts(record.values)
         whole = _without(record, dropped)
-        begin = _start_of(whole.times, whole.values) if start is None else float(start)
+        begin = start_of(whole.times, whole.values) if start is None else float(start)
         last = float(record.times[-1]) if end is None else float(end)
         inside = (record.times >= begin) & (record.times <= last)
         stray = int(np.count_nonzero(dropped & inside))
@@ -100,7 +100,7 @@ def _without(record: Record, which: np.ndarray) -> Record:
     return record.with_samples(record.times[~which], record.values[~which], noise)
 
 
-def _start_of(times: Floats, values: Floats) -> float:
+def start_of(times: Floats, values: Floats) -> float:
     """Return the first passage through rest after the largest deviation from it."""
     rest = float(np.median(values[-max(len(values) // 3, 4) :]))
     off = values - rest

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
@@ -16,6 +16,14 @@ from viscorod.typing import Floats
 __all__ = ["ModesRecord"]
 
 
+RATIOS: dict[str, Callable[[Floats], Floats]] = {
+    "ratio": lambda given: given,
+    "percent": lambda given: given / 100.0,
+    "quality_factor": lambda given: 0.5 / given,
+    "loss_factor": lambda given: 0.5 * given,
+    "log_decrement": lambda given: given / np.hypot(2.0 * np.pi, given),
+}
+"""Damping ratios from other measures of damping; those of a resonance hold where damping is small."""
 NORMAL = 1.959963984540054
 """Standard deviations of half of a 95 % interval."""
 
@@ -26,6 +34,8 @@ class ModesRecord(AnyRecord):
     Args:
         frequencies: Hz (n,).
         damping_ratios: as many, or None.
+        damping_as: what these are: "ratio" (of critical), "percent" (of critical), "quality_factor" (of a resonance,
+            1/(2 ratio)), "loss_factor" (2 ratio) or "log_decrement" (of amplitudes one cycle apart).
         modes: which modes of the model they are, numbers from 1 or names such as "bend_1 2"; by default the first ones
             in their order, rigid motions left out.
         frequency_noise, ratio_noise: standard deviations, Hz and 1, one number or (n,); None where they are not known.
@@ -48,6 +58,7 @@ class ModesRecord(AnyRecord):
         frequencies: Any,
         damping_ratios: Any = None,
         *,
+        damping_as: str = "ratio",
         modes: Sequence[int | str] | None = None,
         frequency_noise: Any = None,
         ratio_noise: Any = None,
@@ -63,14 +74,14 @@ class ModesRecord(AnyRecord):
         count = len(self.frequencies)
         self.damping_ratios = None
         if damping_ratios is not None:
-            self.damping_ratios = finite(f"{where}: damping_ratios", damping_ratios)
+            self.damping_ratios = _ratios(where, damping_ratios, damping_as)
             if len(self.damping_ratios) != count or not (np.abs(self.damping_ratios) < 1.0).all():
                 raise InputError(
                     Fault(
                         f"{where}: damping_ratios",
                         "",
                         f"{count} numbers below 1 are needed",
-                        "0.01 is one per cent",
+                        "0.01 is one per cent, or give damping_as = 'percent'",
                     )
                 )
         if modes is not None and (isinstance(modes, str | bytes) or not isinstance(modes, Sequence)):
@@ -170,3 +181,22 @@ class ModesRecord(AnyRecord):
                 f"record {self.name}: it has mode {max(found) + 1}, and the result {len(names)} modes; ask for more"
             )
         return found
+
+
+def _ratios(where: str, given: Any, measure: str) -> Floats:
+    """Return damping ratios from a measure of damping (n,)."""
+    if measure not in RATIOS:
+        raise InputError(
+            Fault(
+                f"{where}: damping_as",
+                repr(measure),
+                "no measure of damping",
+                f"use one of {', '.join(RATIOS)}",
+            )
+        )
+    values = finite(f"{where}: damping_ratios", given)
+    if measure == "quality_factor" and not (values > 0.0).all():
+        raise InputError(
+            Fault(f"{where}: damping_ratios", "", "quality factors are positive", "leave undamped modes out")
+        )
+    return RATIOS[measure](values)

@@ -93,8 +93,11 @@ def _modes(given: dict[str, Any]) -> AnyRecord:
         )
         if "damping_ratio" in given:
             ratio = given.pop("damping_ratio")
+            plain = "1" if given.get("damping_as", "ratio") != "ratio" else None
+            if plain is not None and columns.units[columns.number("damping_ratio", ratio)] is not None:
+                plain = None  # per cent of critical that the table calls so are ratios by then
             given["damping_ratios"] = columns.si(
-                "damping_ratio", ratio, "1", given.pop("damping_ratio_unit", None)
+                "damping_ratio", ratio, "1", given.pop("damping_ratio_unit", plain)
             )
     return ModesRecord(**given)
 

@@ -99,6 +99,7 @@ class ResponseRecord(AnyRecord):
     def read(
         cls,
         source: Any,
+        /,
         value: str | int | Sequence[str | int],
         *,
         frequency: str | int = 1,
@@ -109,7 +110,7 @@ class ResponseRecord(AnyRecord):
         """Return a response from columns of a file, or of an object of xarray or pandas; see `Record.read`.
 
         Args:
-            source: path or object.
+            source: path or object; the name ``source`` is that of the input of the model's response, as of the record.
             value: a complex column; or two: real and imaginary part, or magnitude and phase where the second one is an
                 angle (deg, rad). A magnitude in dB needs the unit that it is over.
             frequency: column of the frequencies, by name or number from 1.

@@ -43,6 +43,7 @@ def columns_of_text(path: Path) -> Columns:
 
 def _table(source: str, lines: list[str]) -> Columns:
     divide, first, width = _layout(lines)
+    first = _with_settings_beside(lines, first, divide, width)
     names, units = _heads(lines, first, divide, width)
     rows: list[tuple[int, list[str]]] = []
     for number in range(first, len(lines) + 1):
@@ -70,25 +71,36 @@ def _table(source: str, lines: list[str]) -> Columns:
         for k in clocks:
             row[k] = ""
     numbers = Numbers(cell for _, cells in rows for cell in cells if looks_like_a_number(cell))
-    values = np.array([_row(number, cells, names, numbers) for number, cells in rows])
+    texts: dict[int, tuple[int, str]] = {}
+    values = np.array([_row(number, cells, numbers, texts) for number, cells in rows])
     for k, found in clocks.items():
         values[:, k] = found
     units = tuple("s" if k in clocks else unit for k, unit in enumerate(units))
-    return Columns(source, names, units, values)
+    return Columns(source, names, units, values, texts)
 
 
-def _row(number: int, cells: list[str], names: tuple[str, ...], numbers: Numbers) -> list[float]:
+def _row(number: int, cells: list[str], numbers: Numbers, texts: dict[int, tuple[int, str]]) -> list[float]:
+    """Return the numbers of a line; of every column the first cell that is none is kept."""
     found = []
     for k, cell in enumerate(cells):
         value = numbers.of(cell)
         if value is None:
-            raise RefusedError(
-                f"line {number}, column {names[k] or k + 1}: this is no number",
-                "give a number, or leave the cell empty where nothing was measured",
-                found=show(cell),
-            )
-        found.append(value)
+            texts.setdefault(k, (number, cell))
+        found.append(np.nan if value is None else value)
     return found
+
+
+def _with_settings_beside(
+    lines: list[str], first: int, divide: Callable[[str], list[str]], width: int
+) -> int:
+    """Return the first line of numbers where settings stand beside the first samples, as oscilloscopes write them."""
+    at = [k for k, cell in enumerate(_cells(lines[first - 1], divide, width)) if looks_like_a_number(cell)]
+    while first > 1 and len(at) > 1:
+        cells = _cells(lines[first - 2], divide, width)
+        if len(cells) != width or not all(looks_like_a_number(cells[k]) for k in at):
+            break
+        first -= 1
+    return first
 
 
 def _layout(lines: list[str]) -> tuple[Callable[[str], list[str]], int, int]:

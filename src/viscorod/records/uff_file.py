@@ -10,6 +10,7 @@ labels of axes say what no data set 164 does. Where both speak and differ, nobod
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 from typing import Any
 
@@ -115,10 +116,15 @@ def _axis(code: int) -> str:
 
 def _size_and_unit(one: dict[str, Any], sizes: dict[str, float] | None) -> tuple[float, str | None]:
     """Return the factor on the numbers of a function, and their unit then; None where it is not known."""
-    over = _axis_unit(one, "ordinate", sizes)
     if int(one.get("func_type") or 0) not in RESPONSES:
-        return over
-    under = _axis_unit(one, "orddenom", sizes)
+        return _axis_unit(one, "ordinate", sizes)
+    label = str(one.get("ordinate_axis_units_lab") or "").strip()
+    whole = re.fullmatch(r"\(?(.+?)\)?\s*/\s*\(?([^/()]+)\)?", label)  # "g/N", all of it beside the numerator
+    if whole is not None:
+        parts = {**one, "ordinate_axis_units_lab": whole[1], "orddenom_axis_units_lab": whole[2]}
+        if all(_label_size(parts, axis) is not None for axis in ("ordinate", "orddenom")):
+            one = parts
+    over, under = (_axis_unit(one, axis, sizes) for axis in ("ordinate", "orddenom"))
     if over[1] is None or under[1] is None:
         return 1.0, None
     return over[0] / under[0], over[1] if under[1] == "1" else f"({over[1]})/({under[1]})"
@@ -129,11 +135,17 @@ def _axis_unit(one: dict[str, Any], axis: str, sizes: dict[str, float] | None) -
     if told is None:
         return 1.0, None
     by_set = 1.0 if sizes is None or told == "1" else sizes["force" if told == "N" else "length"]
-    label = str(one.get(f"{axis}_axis_units_lab") or "").strip()
-    try:
-        by_label = si_factor("", "", label, told) if label not in ("", "NONE") else None
-    except InputError:  # remarks, or the unit of the whole response
-        by_label = None
+    by_label = _label_size(one, axis)
     if by_label is None or abs(by_label / by_set - 1.0) < DIFFER:
         return by_set, told
     return (by_label, told) if sizes is None else (1.0, None)
+
+
+def _label_size(one: dict[str, Any], axis: str) -> float | None:
+    """Return the SI value of the unit in an axis' label; None where there is none of its kind."""
+    told = QUANTITIES.get(int(one.get(f"{axis}_spec_data_type") or 0))
+    label = str(one.get(f"{axis}_axis_units_lab") or "").strip()
+    try:
+        return si_factor("", "", label, told) if told is not None and label not in ("", "NONE") else None
+    except InputError:  # a remark
+        return None

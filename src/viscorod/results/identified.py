@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import astuple, dataclass
+from dataclasses import astuple, dataclass, field
 from typing import ClassVar
 
 import numpy as np
@@ -65,6 +65,8 @@ class Foretold:
         damping_ratio, measured_ratio: of that mode.
         frequency_width, damping_ratio_width, measured_frequency_width, measured_ratio_width: halves of the 95 %
             intervals.
+        rests_on: what was believed of the measurement where most of the interval of the frequency comes from it, in
+            words; not in files.
     """
 
     law: str
@@ -77,6 +79,7 @@ class Foretold:
     measured_frequency_width: float
     measured_ratio: float
     measured_ratio_width: float
+    rests_on: str = field(default="", kw_only=True)
 
     COLUMNS: ClassVar[tuple[str, ...]] = (
         "foretold_frequency",

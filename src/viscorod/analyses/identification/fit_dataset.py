@@ -21,7 +21,7 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.analyses.identify import Fitted
+    from viscorod.analyses.identification.search import Fitted
 
 __all__ = ["fit_dataset"]
 

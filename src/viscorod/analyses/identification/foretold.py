@@ -24,7 +24,7 @@ from viscorod.results.identified import Foretold
 from viscorod.solve.estimation.intervals import Covariance
 
 if TYPE_CHECKING:
-    from viscorod.analyses.identify import Fitted
+    from viscorod.analyses.identification.search import Fitted
 
 __all__ = ["Swing", "amplitude_sentences", "foretold", "foretold_sentences", "swings_of", "unlike"]
 
@@ -36,6 +36,8 @@ ratio depends on the amplitude."""
 MISSES = 0.1
 """Part of a damping ratio that a law may miss and not be excluded: the branches of a flat loss ripple by half of it."""
 BOTH_SIDES = 0.95
+MOSTLY = 0.5
+"""Part of the square of an interval from which on it rests on what was believed."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -162,12 +164,20 @@ def _one(
         if slope.any():
             quantile = float(stats.t.ppf(0.5 + 0.5 * BOTH_SIDES, known.freedom_of(slope)))
             square[column] = (quantile * known.deviation(slope)) ** 2
+    rests_on, most = "", 0.0
     for full, belief in believed.items():
         value = named[full] + 0.5 * belief.deviation
         beside = _swing(member, swing, {**named, full: value})
         if beside is None:
             return None
-        square += (reach * 2.0 * (beside - centre)) ** 2
+        change = 2.0 * (beside - centre)
+        square += (reach * change) ** 2
+        if abs(change[0]) > most:
+            most = float(abs(change[0]))
+            rests_on = (
+                f"what was believed of {full} ({named[full]:.4g} +- {belief.deviation:.2g} in SI): one such deviation "
+                f"is {most:.2g} Hz"
+            )
     widths = np.sqrt(square)
     (hertz, hertz_width), (ratio, ratio_width) = swing.frequency, swing.ratio
     return Foretold(
@@ -181,6 +191,7 @@ def _one(
         measured_frequency_width=hertz_width,
         measured_ratio=ratio,
         measured_ratio_width=ratio_width,
+        rests_on=rests_on if (reach * most) ** 2 > MOSTLY * square[0] else "",
     )
 
 
@@ -241,7 +252,7 @@ def foretold_sentences(
             f"{best} foretells {one.frequency:.4g} +- {one.frequency_width:.2g} Hz and a damping ratio of "
             f"{one.damping_ratio:.3g} +- {one.damping_ratio_width:.2g} for {one.record}; measured: "
             f"{one.measured_frequency:.4g} +- {one.measured_frequency_width:.2g} Hz ({off:+.2g} % from it to what was "
-            f"foretold) and {one.measured_ratio:.3g} +- {one.measured_ratio_width:.2g}."
+            f"foretold) and {one.measured_ratio:.3g} +- {one.measured_ratio_width:.2g}. " + _told_apart(one)
         )
     ratios = [one.measured_ratio for one in mine]
     if len(mine) > 1:
@@ -249,6 +260,19 @@ def foretold_sentences(
             f"Damping ratios of what was left out scatter by {max(ratios) - min(ratios):.2g} between records."
         )
     return out
+
+
+def _told_apart(one: Foretold) -> str:
+    """Return in words whether the frequencies differ by more than is known of them, and what would have to be known."""
+    within = abs(one.frequency - one.measured_frequency) <= np.hypot(
+        one.frequency_width, one.measured_frequency_width
+    )
+    text = f"The frequencies differ by {'no ' if within else ''}more than these intervals"
+    if not one.rests_on:
+        return f"{text}."
+    return (
+        f"{text}; that of what was foretold rests on {one.rests_on}. Measure it better to foretell it better."
+    )
 
 
 def amplitude_sentences(fitted: Mapping[str, Swing], left_out: Mapping[str, Swing], best: str) -> list[str]:

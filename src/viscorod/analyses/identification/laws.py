@@ -34,7 +34,7 @@ from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    from viscorod.analyses.identify import Fitted
+    from viscorod.analyses.identification.search import Fitted
 
 __all__ = ["Compared", "compared_laws", "moved_numbers", "require_laws"]
 
@@ -150,7 +150,7 @@ def compared_laws(
     of values.
 
     Args:
-        fit: `analyses.identify.fitted`.
+        fit: `analyses.identification.search.fitted`.
         pairs, parameters, nuisances: of the identification.
         laws: words, see `law_words`.
         left_out: cases with records that are not fitted, but predicted; numbers of their measurement are fitted.

@@ -10,7 +10,7 @@ import numpy as np
 from viscorod.analyses.identification.members import Member
 from viscorod.typing import Floats
 
-__all__ = ["dominant_frequencies", "held_band"]
+__all__ = ["dominant_frequencies", "held_band", "vibrating"]
 
 BESIDE = 10.0
 """Ratio by which the band goes beyond the frequencies at which something vibrates: motions that die out hold others."""
@@ -23,7 +23,7 @@ def dominant_frequencies(members: Sequence[Member]) -> list[list[float]]:
     found = []
     for member in members:
         unlike: list[float] = []
-        for one in [hertz for record in member.records for hertz in _vibrating(record)]:
+        for one in [hertz for record in member.records for hertz in vibrating(record)]:
             if one > 0.0 and all(abs(one / other - 1.0) > 0.05 for other in unlike):
                 unlike.append(one)
         found.append(unlike[:3])
@@ -37,7 +37,7 @@ def held_band(members: Sequence[Member]) -> tuple[float, float] | None:
     """
     ends: list[float] = []
     for record in [record for member in members for record in member.records]:
-        moving = [one for one in _vibrating(record) if one > 0.0]
+        moving = [one for one in vibrating(record) if one > 0.0]
         if not moving:
             continue
         ends += [min(moving) / BESIDE, max(moving) * BESIDE]
@@ -49,15 +49,19 @@ def held_band(members: Sequence[Member]) -> tuple[float, float] | None:
     return (float(min(ends)), float(max(ends))) if ends else None
 
 
-def _vibrating(record: Any) -> list[float]:
+def vibrating(record: Any) -> list[float]:
     """Return the frequencies at which a record vibrates: natural ones, or that of the largest peak."""
     if record.analysis == "modes":
         return [float(one) for one in record.frequencies]
     if record.analysis == "response":
         return [float(record.frequencies[int(np.argmax(np.abs(record.values)))])]
-    if getattr(record, "interval", None) is not None:
-        return [_peak(np.asarray(record.observed), record.interval)]
-    return []
+    if record.analysis != "simulate":
+        return []
+    times, values = record.times, np.asarray(record.observed)
+    if record.interval is None:  # gaps are bridged: that says where the peak is
+        even = np.linspace(times[0], times[-1], len(times))
+        return [_peak(np.interp(even, times, values), float(even[1] - even[0]))]
+    return [_peak(values, record.interval)]
 
 
 def _peak(values: Floats, interval: float) -> float:
