@@ -4,6 +4,7 @@ import re
 
 import numpy as np
 import pytest
+from matplotlib.text import Text
 from matplotlib.transforms import Bbox
 from scipy.linalg import null_space
 from scipy.spatial import ConvexHull
@@ -367,3 +368,24 @@ def test_directions_of_the_axes_keep_off_what_is_drawn_in_space(pitch, axis):
         box = letter.get_window_extent()  # with its arrow
         inside = np.all((drawn > [box.x0, box.y0]) & (drawn < [box.x1, box.y1]), axis=1)
         assert not inside.any()
+
+
+def test_lines_to_the_names_of_equal_modes_cross_no_name():
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    model = vr.Model()
+    for name, end in (("a", (0, 2, 0)), ("b", (0, -2, 0))):  # alike: their frequencies come in pairs
+        rod = vr.Rod.straight((0, 0, 0), end, section=vr.Circle(0.02), material=steel, elements=2)
+        model.add(name, rod)
+        model.clamp(f"{name}.start")
+    diagram = model.campbell(axis=(0, 0, 1), band=(0.0, 1.0), count=2, modes=4)
+    picture = diagram.plot()
+    picture.draw_without_rendering()
+    names = [text for text in picture.axes[0].texts if text.get_text() in diagram.modes]
+    assert len(names) == 4
+    for text in names:
+        line = text.arrow_patch.get_path()
+        start, end = text.arrow_patch.get_transform().transform(line.vertices[[0, -1]])
+        between = start + (end - start) * np.linspace(0.02, 1.0, 50)[:, None]
+        for other in names:
+            box = Text.get_window_extent(other)
+            assert not any(box.contains(*point) for point in between)
