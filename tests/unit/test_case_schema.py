@@ -97,6 +97,7 @@ def test_the_command_writes_it(tmp_path):
     result = CliRunner().invoke(app, ["schema", "-o", str(path)])
     assert result.exit_code == 0, result.output
     assert json.loads(path.read_text(encoding="utf-8")) == SCHEMA
+    assert CliRunner().invoke(app, ["schema", "-o", str(path), "--quiet"]).output == ""
     printed = CliRunner().invoke(app, ["schema"])
     assert json.loads(printed.output) == SCHEMA
 

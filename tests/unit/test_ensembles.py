@@ -198,6 +198,13 @@ def test_failed_members_are_left_out_of_indices():
     assert "member 7: it broke" in flat(lacking.report())
 
 
+def test_a_picture_of_too_few_members_says_how_many_are_needed(held):
+    """It said that no member had a number."""
+    found = vr.ensemble(held, SPREAD, 4, quantities=TIP, workers=1, errors=0)
+    with pytest.raises(vr.InputError, match="tip: 4 members have it; 8 are needed"):
+        found.plot()
+
+
 def test_a_number_that_few_members_have_leaves_the_others_theirs(held, tmp_path):
     """What of the whole ensemble can be told is told."""
     found = vr.ensemble(

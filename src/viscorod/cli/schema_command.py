@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from viscorod.cli.options import output_option
-from viscorod.cli.terminal import readable_errors
+from viscorod.cli.terminal import readable_errors, say
 from viscorod.whole_files import replacing
 
 __all__ = ["schema"]
@@ -29,4 +29,4 @@ def schema(
             return
         with replacing(output) as new:
             new.write_text(text, encoding="utf-8")
-        typer.echo(f"{output}: name it in a case file: #:schema {output}")
+        say(f"{output}: name it in a case file: #:schema {output}")

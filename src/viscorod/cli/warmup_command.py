@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import typer
-
 from viscorod.cli.command_kind import quiet
+from viscorod.cli.terminal import say
 
 __all__ = ["warmup"]
 
@@ -16,14 +15,12 @@ def warmup() -> None:
 
     count = len(kernels())
     if count == 0:
-        typer.echo("nothing to compile: NUMBA_DISABLE_JIT is set, kernels are Python functions")
+        say("nothing to compile: NUMBA_DISABLE_JIT is set, kernels are Python functions")
         return
     with counting(count, "kernels", shown=not quiet()) as progress:
         done = warm_up(progress)
     folders = ", ".join(map(str, done.folders))
     if done.compiled:
-        typer.echo(f"{count} kernels compiled in {done.seconds:.1f} s; machine code is in {folders}")
+        say(f"{count} kernels compiled in {done.seconds:.1f} s; machine code is in {folders}")
     else:
-        typer.echo(
-            f"all {count} kernels are compiled already, in {folders}; loading them took {done.seconds:.1f} s"
-        )
+        say(f"all {count} kernels are compiled already, in {folders}; loading them took {done.seconds:.1f} s")

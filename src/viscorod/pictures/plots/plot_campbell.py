@@ -186,7 +186,14 @@ def _names(result: FollowedModes, axes: Axes, ends: Floats) -> None:
             color=COLOURS[mode % len(COLOURS)],
             va="center",
             annotation_clip=False,
-            arrowprops={"arrowstyle": "-", "color": "#bbbbbb", "linewidth": 0.6, "shrinkA": 0, "shrinkB": 0},
+            arrowprops={
+                "arrowstyle": "-",
+                "color": "#bbbbbb",
+                "linewidth": 0.6,
+                "shrinkA": 0,
+                "shrinkB": 0,
+                "relpos": (0.0, 0.5),  # to the beginning of the name: to its middle it would cross others
+            },
         )
 
 

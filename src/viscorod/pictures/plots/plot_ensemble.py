@@ -175,7 +175,7 @@ def _legend(kind: str) -> str:
 def _names(found: Ensemble, name: str | None, ax: Axes | None) -> tuple[str, ...]:
     names = found.numbers[:MOST]
     if not names:
-        raise InputError("no member has a quantity that is a number")
+        raise InputError("; ".join(found.scarce) or "no member has a quantity that is a number")
     if name is not None and name not in found.numbers:
         raise InputError(f"name = {name!r}: no quantity is called so; give one of {', '.join(found.numbers)}")
     return (name,) if name is not None else names if ax is None else names[:1]
