@@ -290,3 +290,22 @@ def test_a_truss_snaps_under_a_sudden_load_below_its_limit_load() -> None:
         assert bool(sunk.max() > height) is snaps
         if not snaps:
             assert sunk.max() < hump.x
+
+
+def test_a_string_that_is_stretched_and_spun_whirls() -> None:
+    """Seen on the string waves of the speed c have ``n pi c/L +- W``; an end that is moved pulls it, at rest, too."""
+    T, L, mass, EA, speed = 100.0, 2.0, 0.01, 1e6, 200.0
+    section = vr.StiffnessSection([EA / 2, EA / 2, EA, 0, 0, 0], [mass] * 3 + [1e-9, 1e-9, 2e-9])
+    model = vr.Model()
+    model.add("string", vr.Rod.straight((0, 0, 0), (L, 0, 0), section=section))
+    model.pin("string.start")
+    model.support("string.end", ("uy", "uz"), motion={"ux": T / EA * L})
+    longer = L * (1.0 + T / EA)
+    wave = np.pi * np.sqrt(T * longer / (mass * L)) / longer
+    spun = model.steady(spin=(speed, 0, 0))
+    expected = np.sort(np.abs([wave - speed, wave + speed, 2.0 * wave - speed, 3.0 * wave - speed]))
+    found = 2.0 * np.pi * np.asarray(spun.frequencies)
+    assert found[found > 1e-3 * speed][:4] == pytest.approx(expected, rel=1e-4)
+    assert float(spun.data["reaction"].sel(support="string.end", motion="fx").values[-1]) == pytest.approx(T, rel=1e-9)
+    diagram = model.campbell(axis=(1, 0, 0), band=(0.0, speed), count=3, modes=2)
+    assert [one.speed for one in diagram.critical_speeds] == pytest.approx([0.5 * wave, wave], rel=1e-4)

@@ -133,7 +133,7 @@ class Model(Inspected):
     def steady(self, call: SteadyArguments) -> Steady:
         """Find a steady rotation, in which every rod turns like a rigid body, and its small motions.
 
-        Prescribed motions are refused: supports turn with the rotation as they are.
+        Prescribed motions have to be constant: supports turn with the rotation.
 
         Raises:
             InputError: supports, loads or damping allow no such rotation.

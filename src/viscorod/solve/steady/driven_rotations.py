@@ -147,7 +147,8 @@ class DrivenRotations:
         static, equations = self._static, self._equations
         state = State.reference(self.problem)
         strained = static.system.constraints.is_strained(state, 0.0, before=False)
-        if not no_loads(equations.loads) or strained or self.problem.rest_strains:
+        moved = bool(self.problem.supports.motions)
+        if not no_loads(equations.loads) or moved or strained or self.problem.rest_strains:
             path = static.solve(state, before=False)
             if path.outcome is not Outcome.COMPLETED:
                 raise SolveError("No equilibrium was found at rest. What to try: speeds from above 0 on")

@@ -128,7 +128,8 @@ class Search:
         """Start from the reference shape, or the equilibrium under the loads, about a given axis."""
         settings, problem = self.settings, self.problem
         state = State.reference(problem)
-        if settings.driven and not no_loads(self.loads) and settings.formulation == "geometric":
+        acts = not no_loads(self.loads) or bool(problem.supports.motions)
+        if settings.driven and acts and settings.formulation == "geometric":
             settled = state.copy()
             with np.errstate(all="ignore"):
                 path_ = self.solver.solve(settled, before=False)

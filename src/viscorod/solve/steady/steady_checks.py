@@ -83,16 +83,22 @@ def require_steady(
                 "hold positions: a pin, a clamp or another support",
             )
         )
-    for index, component, _ in problem.supports.motions[:1]:
-        word = ("ux", "uy", "uz", "rx", "ry", "rz")[component]
+    constant = settings.driven and settings.formulation == "geometric"
+    for index, component, motion in problem.supports.motions:
+        if constant and isinstance(motion, Constant):
+            continue  # it turns with the support
+        word = MOTIONS[component]
         faults.append(
             Fault(
                 "supports",
                 _label(model, problem.supports.names[index]),
                 f"its prescribed motion {word} is a function of time, not a steady rotation",
-                "leave the motion out: supports turn with the given spin as they are",
+                "leave the motion out, or give a number: supports turn with the given spin as they are"
+                if constant
+                else "leave the motion out: supports turn with the given spin as they are",
             )
         )
+        break
     faults += _springs(model, settings)
     for index, load in enumerate(model.loads[:loads]):
         faults += _load(index, load, problem, settings)
