@@ -315,8 +315,10 @@ def _plain(unit: str) -> str:
     while at < len(unit):
         match = _TOKEN.match(unit, at)
         if match is None:
+            comma = "write decimals with a point (1.5 MPa); " if re.match(r",\s*\d", unit) else ""
             raise RefusedError(
-                f"{show(unit)} cannot be read as a unit", "write units as in 10 mm, 2 N/m^2, 5 N/(m s)"
+                f"{show(unit)} cannot be read as a unit",
+                f"{comma}write units as in 10 mm, 2 N/m^2, 5 N/(m s)",
             )
         name, power, digit, mark, one = match.groups()
         previous = words[-1] if words else "("

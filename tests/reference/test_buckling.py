@@ -266,3 +266,14 @@ def test_a_heated_bar_between_clamps():
     # the motions of the bar tell the same, also where a pivot is exactly zero on the way to the limit
     (limit,) = model.stability(band=(30.0, 45.0), count=3, modes=1).limits
     assert (limit.kind, limit.at) == ("divergence", pytest.approx(4.0 * np.pi**2, rel=1e-6))
+
+
+def test_critical_loads_at_strains_of_no_material_are_told():
+    """A pulled bar loses stiffness where N (1/kGA - 1/EA) = 1, in shear: the limit of a short half wave (Haringx)."""
+    model, section = vr.Model(), vr.StiffnessSection([1.0, 1.0, 2.0, 1e-6, 1e-6, 1e-6])
+    model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    model.clamp("bar.start")
+    model.force("bar.end", (1.0, 0, 0))
+    found = model.buckling(1)
+    assert found.load_factors[0] == pytest.approx(2.0, rel=5e-3)
+    assert "stretch is 1" in found.warnings[0]

@@ -398,3 +398,26 @@ def test_pins_leave_a_tight_string_to_turn_about_itself(bending: float) -> None:
     assert np.count_nonzero(modes.rigid) == 1
     exact = np.repeat([1, 2], 2) * speed / 2.0 / 1.01
     np.testing.assert_allclose(modes.frequencies[1:], exact, rtol=5e-4)
+
+
+@pytest.mark.parametrize("strain", [0.005, 0.02, 0.1])
+def test_a_heated_bar_between_clamps_bows_out(strain: float) -> None:
+    """Clamped elastica, longer than the way between its ends, which its force presses together by P/EA.
+
+    (2 E/K - 1) l = 1 with P = 16 K^2 EI/l and l = 1 + strain - P/EA; its rise is k l/K.
+    """
+    bar = vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.StiffnessSection([1e6] * 3 + [1.0, 5.0, 1.0]))
+    model = vr.Model()
+    model.add("bar", bar)
+    model.clamp("bar.start")
+    model.clamp("bar.end")
+    model.rest_strain("bar", [0, 0, strain, 0, 0, 0])
+    found = model.equilibrium()
+
+    def length(m: float) -> float:
+        return 1.0 + strain - 16.0 * ellipk(m) ** 2 / (1.0 + strain) / 1e6
+
+    m = brentq(lambda m: length(m) * (2.0 * ellipe(m) / ellipk(m) - 1.0) - 1.0, 1e-6, 0.8)
+    rise = np.sqrt(m) * length(m) / ellipk(m)
+    assert np.linalg.norm(found.displacement("bar@0.5")) == pytest.approx(rise, rel=2e-4)
+    assert settled(found)

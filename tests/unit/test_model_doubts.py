@@ -131,3 +131,34 @@ def test_ends_that_are_joined_or_held_are_not_doubted(join):
     model.clamp("post.end")
     join(model)
     assert not any("nothing joins" in text for text in model.check().warnings)
+
+
+def test_a_disc_is_no_rod():
+    model = vr.Model()
+    model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(10.0), material=STEEL))
+    model.clamp("bar.start")
+    for warnings in (model.check().warnings, model.equilibrium().warnings):
+        assert sum("half width, 10 m, is more than its length, 1 m" in text for text in warnings) == 1
+
+
+@pytest.mark.parametrize(
+    ("times", "end", "told"),
+    [
+        ((0.0, 1e-3), 0.5, "ends at 0.001 s, and its last value, 0.5, is kept"),
+        ((1e-4, 2e-3), 0.5, "begins at 0.0001 s, and its first value, 1, is taken from the beginning on"),
+        ((0.0, 1e-3), 0.0, ""),
+    ],
+)
+def test_records_that_do_not_cover_the_motion_are_told(times, end, told):
+    model = bar()
+    record = vr.TimeTable(np.linspace(*times, 40).tolist(), np.linspace(1.0, end, 40).tolist())
+    model.force("bar.end", (0, 0, 0.1), time=record)
+    found = [text for text in model.simulate(2e-3).warnings if "loads[0].time" in text]
+    assert len(found) == bool(told)
+    assert all(told in text for text in found)
+
+
+def test_ramps_stay_where_they_end():
+    model = bar()
+    model.force("bar.end", (0, 0, 0.1), time=vr.TimeTable([0.0, 1e-3], [0.0, 1.0]))
+    assert not any("loads[0].time" in text for text in model.simulate(2e-3).warnings)

@@ -268,3 +268,14 @@ def test_outlines_take_the_damping_of_their_material_per_branch_and_region():
     alone = Composite([CompositeRegion(law, points=L_SHAPE)], origin="given")
     for one, two in zip(alone.matrices(), (C, D, M), strict=True):
         assert one == pytest.approx(two, rel=1e-9, abs=1e-12)
+
+
+def test_an_outline_that_a_formula_closes_but_for_round_off():
+    """A NACA 0012 from trailing edge to trailing edge: round-off there; its area in closed form."""
+    x = 0.5 * (1.0 - np.cos(np.linspace(0.0, np.pi, 60)))
+    polynomial = -0.126 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4
+    y = 0.6 * (0.2969 * np.sqrt(x) + polynomial)
+    points = [*zip(x[::-1], y[::-1], strict=True), *zip(x[1:], -y[1:], strict=True)]
+    assert points[0] != points[-1]
+    exact = 2.0 * 0.6 * (0.2969 * 2 / 3 - 0.126 / 2 - 0.3516 / 3 + 0.2843 / 4 - 0.1036 / 5)
+    assert PolygonSection(points).moments()[0] == pytest.approx(exact, rel=2e-3)

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import json
+from collections.abc import Iterator
+
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
@@ -9,6 +12,7 @@ from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.growing_loads import begin_growing, move
 from viscorod.errors import SolveError
 from viscorod.results.buckling import Buckling
+from viscorod.results.validity import SMALL_STRAIN
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot, StationReader
@@ -107,6 +111,8 @@ def _found(
         "buckling_exact": int(settings.exact),
         "buckling_complete": int(len(factors) >= settings.count),
     }
+    if settings.exact:
+        attributes["warnings"] = json.dumps(list(_strained(discrete, points)))
     if reached is not None:
         attributes["buckling_reached"] = reached
     data = discrete.data_set(Buckling.kind, history, attributes)()
@@ -122,6 +128,19 @@ def _found(
             linear_load=("linear", np.asarray(linear, dtype=float)),
         )
     )
+
+
+def _strained(discrete: DiscreteModel, points: list[CriticalPoint]) -> Iterator[str]:
+    """Yield which critical loads are reached at strains for which a linear material law is not meant (LLT 2.2)."""
+    for number, point in enumerate(points, 1):
+        discrete.static.restore(point.state, 0.0, before=True, scale=point.factor)
+        strain = np.abs(discrete.system.gauss_points().strain[:, :3]).max(axis=0)
+        if strain.max() > SMALL_STRAIN:
+            name = ("shear 1", "shear 2", "stretch")[int(np.argmax(strain))]
+            yield (
+                f"critical load {number} is reached where the strain {name} is {strain.max():.2g} already; the "
+                "material law is meant for strains well below 1, and no real material need do the same"
+            )
 
 
 def _principal(discrete: DiscreteModel, point: CriticalPoint) -> Floats:

@@ -177,7 +177,8 @@ class DiscreteModel:
         known = with_known_times(model)
         attributes = provenance(model, options.title, options.attributes) | material_record(known) | notes
         problem = discretise(known, validated=validated)
-        attributes["doubts"] = json.dumps(model_doubts(known, problem))
+        duration = settings.duration if isinstance(settings, SimulateSettings) else 0.0
+        attributes["doubts"] = json.dumps(model_doubts(known, problem, duration))
         announce_compilation(geometric.assemble)
         if problem.constrained:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.analyses.doubtful_numbers import doubtful_numbers
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
@@ -17,22 +18,34 @@ from viscorod.typing import Floats, Integers
 
 __all__ = ["loose_ends", "model_doubts"]
 
+RECORD = 20
+"""Rows from which on a table of time is a record; shorter ones are ramps, which end where they are to stay."""
+HELD = 1e-3
+"""Part of the largest value of a table beyond which one that is kept matters."""
 TOGETHER = 1e-4
 """Distance of two ends over the length of the shorter rod up to which they are at the same place."""
 
 
-def model_doubts(model: ModelDescription, problem: Problem) -> list[str]:
+def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.0) -> list[str]:
     """Return what is hardly meant: numbers in other units, sections past a centre, equal loads, loose ends.
 
     Args:
-        model: what the user said; problem: the model discretised.
+        model: what the user said; problem: the model discretised; duration: of its motion [s], which tables of time
+            should cover.
     """
-    curved = [text for name, rod in model.rods.items() for text in _past_centre(name, rod)]
-    return [*doubtful_numbers(model), *curved, *_loads_twice(model), *loose_ends(problem)]
+    shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
+    tables = [text for where, table in _records(model) for text in _uncovered(where, table, duration)]
+    return [*doubtful_numbers(model), *shapes, *_loads_twice(model), *loose_ends(problem), *tables]
 
 
-def _past_centre(name: str, rod: Rod) -> Iterator[str]:
-    """Yield whether the section of a rod reaches past the centre of curvature of the reference shape."""
+def _no_rod(name: str, rod: Rod) -> Iterator[str]:
+    """Yield whether a rod is thicker than long, or reaches past the centre of curvature of its reference shape."""
+    half = rod.section_at(0.0).half_width or 0.0
+    if half > rod.length:
+        yield (
+            f"rod {name}: its half width, {half:.4g} m, is more than its length, {rod.length:.4g} m: it is no rod; "
+            "lengths are in m, and 1 mm is 1e-3 m"
+        )
     found = reaching_centre(rod)
     if found is not None:
         s, radius = found
@@ -61,6 +74,33 @@ def _loads_twice(model: ModelDescription) -> Iterator[str]:
         yield (
             f"{same} are the same {model.loads[numbers[0]].word}: they add up to {len(numbers)} times one of them; "
             f"leave {'one' if len(numbers) == 2 else 'all but one'} out if it is meant once"
+        )
+
+
+def _records(model: ModelDescription) -> Iterator[tuple[str, TimeTable]]:
+    """Yield tables of time that are records rather than ramps, with their key paths."""
+    given: list[tuple[str, object]] = [(f"loads[{k}].time", load.time) for k, load in enumerate(model.loads)]
+    for k, support in enumerate(model.supports):
+        given += [(f"supports[{k}].motion.{word}", motion) for word, motion in support.motion.items()]
+    for where, function in given:
+        if isinstance(function, TimeTable) and (function.file is not None or len(function.knots) >= RECORD):
+            yield where, function
+
+
+def _uncovered(where: str, table: TimeTable, duration: float) -> Iterator[str]:
+    """Yield which value a table keeps before its first or after its last time, while a motion goes on."""
+    first, last = (float(table.knots[k]) for k in (0, -1))
+    began, ended = table.value(first, before=True), table.value(last)
+    least = HELD * float(np.abs(table.at(table.knots)).max())
+    if duration and first > 0.0 and abs(began) > least:
+        yield (
+            f"{where}: the table begins at {first:.6g} s, and its first value, {began:.4g}, is taken from the "
+            "beginning on; let it begin with 0, or at 0 s"
+        )
+    if last < duration and abs(ended) > least:
+        yield (
+            f"{where}: the table ends at {last:.6g} s, and its last value, {ended:.4g}, is kept up to the end of the "
+            f"motion at {duration:.6g} s; let it end with 0, or give a shorter duration, if that is not meant"
         )
 
 

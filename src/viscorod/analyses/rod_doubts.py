@@ -49,7 +49,7 @@ def shape_warnings(name: str, rod: Rod) -> list[str]:
                     f"rod {name}: half width times {what} of the reference shape is {size:.2g}; "
                     "a rod model is meant for values much smaller than 1"
                 )
-        if shape.slenderness > SLENDER:
+        if SLENDER < shape.slenderness <= 1.0:  # what is thicker than long is told by itself
             warnings.append(
                 f"rod {name}: its half width is {shape.slenderness:.2g} of its length; "
                 "a rod model is meant for slender bodies"

@@ -55,7 +55,8 @@ class StartState:
     @property
     def label(self) -> str:
         """The state in words."""
-        source = self.start.file or f"a {self.result.kind} result"
+        kind = self.result.kind
+        source = self.start.file or f"{'an' if kind[0] in 'aeiou' else 'a'} {kind} result"
         level = np.asarray(self.result.data[self.result.dimension].values, dtype=float)
         value = self._instant.time[0] if self._instant is not None else level[self._index]
         unit = {"time": f"t = {value:.6g} s", "spin": f"{value:.6g} rad/s"}

@@ -158,7 +158,7 @@ def _content(path: Path) -> str:
         problem = Fault("file", str(path), "this is a folder", "give the path of a case file in it")
     except UnicodeDecodeError as error:
         why = f"it is not text in UTF-8 (byte {error.start})"
-        problem = Fault("file", str(path), why, "give a TOML file")
+        problem = Fault("file", str(path), why, "give a TOML file, saved as UTF-8")
     except (OSError, ValueError) as error:
         problem = Fault(
             "file", str(path), f"it cannot be read ({error})", "check the path and its permissions"

@@ -151,19 +151,26 @@ def _strain_warnings(result: Result) -> list[str]:
     value, component, where = _largest(data, strain[:, :3])
     if value > SMALL_STRAIN:
         name = ("shear 1", "shear 2", "stretch")[component]
-        texts.append(
-            f"the strain {name} reaches {value:.2g}{where}; the material law is meant for strains well below 1"
-        )
+        texts.append(f"the strain {name} reaches {value:.2g}{where}; {_law(value)}")
     if "half_width" in data:
         half = np.asarray(data["half_width"].values, dtype=float)
         value, component, where = _largest(data, strain[:, 3:] * half[:, None])
         if value > SMALL_STRAIN:
             name = ("bend 1", "bend 2", "twist")[component]
             texts.append(
-                f"{name} times the half width of the section reaches {value:.2g}{where}; "
-                "the material law is meant for strains well below 1"
+                f"{name} times the half width of the section reaches {value:.2g}{where}; {_law(value)}"
             )
     return texts
+
+
+def _law(strain: float) -> str:
+    """Return what a strain means for the material law."""
+    if strain < 1.0:
+        return "the material law is meant for strains well below 1"
+    return (
+        "the material law is linear and meant for strains well below 1: no material follows it there, and these "
+        "results are its alone; compare the loads with the stiffness, and their units"
+    )
 
 
 def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:

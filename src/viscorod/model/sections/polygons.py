@@ -36,6 +36,8 @@ Polygon: TypeAlias = tuple[Ring, tuple[Ring, ...]]
 Points: TypeAlias = Sequence[Sequence[float]]
 
 CORNERS = listed(listed(quantity(), 2, 2), 3)
+CLOSED = 1e-9
+"""Distance of the last corner from the first, over the size of the outline, up to which it is the same."""
 SIDES = 96
 """Sides of the polygon that approximates an ellipse: same area, second moments within (2 pi/96)^4/180 < 1e-7."""
 
@@ -62,7 +64,9 @@ def library() -> tuple[Any, Any]:
 def corners(value: Any) -> Ring:
     """Return `value` as the corners of a closed polygon; a last corner that repeats the first is left out."""
     ring = each(value, pair)
-    if len(ring) > 1 and ring[0] == ring[-1]:
+    if len(ring) > 1 and math.dist(ring[0], ring[-1]) <= CLOSED * max(
+        math.dist(ring[0], one) for one in ring
+    ):
         ring = ring[:-1]
     if len(ring) < 3:
         raise RefusedError(

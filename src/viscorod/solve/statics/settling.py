@@ -136,11 +136,12 @@ class Settling:
                 report.reason, report.falls = "it falls without end", True
                 return report
             if self.motion == 1.0 and size < tried:
-                tried = 0.1 * size
+                left = report.knocks
                 if self._finish(x):
                     state.set(x)
                     report.found = True
                     return report
+                tried = 0.1 * (size if report.knocks == left else STILL)  # off a saddle the way begins anew
         report.reason = f"it did not come to rest in {STEPS} steps"
         return report
 
