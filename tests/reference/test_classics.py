@@ -306,6 +306,8 @@ def test_a_string_that_is_stretched_and_spun_whirls() -> None:
     expected = np.sort(np.abs([wave - speed, wave + speed, 2.0 * wave - speed, 3.0 * wave - speed]))
     found = 2.0 * np.pi * np.asarray(spun.frequencies)
     assert found[found > 1e-3 * speed][:4] == pytest.approx(expected, rel=1e-4)
-    assert float(spun.data["reaction"].sel(support="string.end", motion="fx").values[-1]) == pytest.approx(T, rel=1e-9)
+    assert float(spun.data["reaction"].sel(support="string.end", motion="fx").values[-1]) == pytest.approx(
+        T, rel=1e-9
+    )
     diagram = model.campbell(axis=(1, 0, 0), band=(0.0, speed), count=3, modes=2)
     assert [one.speed for one in diagram.critical_speeds] == pytest.approx([0.5 * wave, wave], rel=1e-4)
