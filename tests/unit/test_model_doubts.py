@@ -49,6 +49,23 @@ def test_loads_that_differ_are_not_doubted():
     assert model.equilibrium().warnings == []
 
 
+@pytest.mark.parametrize(
+    ("acceleration", "told"),
+    [
+        ((0, 0, -9810.0), "9810 mm/s2 are 9.81 m/s2"),
+        ((0, 981.0, 0), "981 cm/s2 are 9.81 m/s2"),
+        ((0, 0, -1e4), ""),
+    ],
+)
+def test_weights_in_another_unit_are_told(acceleration, told):
+    """A centrifuge of a thousand g and more is none of them."""
+    model = bar()
+    model.gravity(acceleration)
+    found = [text for text in model.check().warnings if "acceleration" in text]
+    assert len(found) == bool(told)
+    assert all(told in text for text in found)
+
+
 def coil(radius, wire, pitch=0.05):
     model = vr.Model()
     helix = vr.Rod.helix(radius, pitch, 2.0, section=wire, material=STEEL)

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.analyses.doubtful_numbers import doubtful_numbers
 from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.model.actions.load import Gravity
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
@@ -18,6 +19,8 @@ from viscorod.typing import Floats, Integers
 
 __all__ = ["loose_ends", "model_doubts"]
 
+EARTHLY = 2e-3
+"""How far the acceleration of gravity differs on Earth from 9.81 m/s^2, as a part of it, as it is rounded in use."""
 RECORD = 20
 """Rows from which on a table of time is a record; shorter ones are ramps, which end where they are to stay."""
 HELD = 1e-3
@@ -35,7 +38,7 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
     """
     shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
     tables = [text for where, table in _records(model) for text in _uncovered(where, table, duration)]
-    return [*doubtful_numbers(model), *shapes, *_loads_twice(model), *loose_ends(problem), *tables]
+    return [*doubtful_numbers(model), *shapes, *_loads(model), *loose_ends(problem), *tables]
 
 
 def _no_rod(name: str, rod: Rod) -> Iterator[str]:
@@ -54,6 +57,20 @@ def _no_rod(name: str, rod: Rod) -> Iterator[str]:
             f"{radius:.4g} m away: parts of it would lie within each other, which no body does, and the rod is "
             "computed as if it were slender; make the section thinner or the radius larger (lengths are in m)"
         )
+
+
+def _loads(model: ModelDescription) -> Iterator[str]:
+    """Yield weights that look like those of another unit, and equal loads."""
+    for index, load in enumerate(model.loads):
+        if isinstance(load, Gravity):
+            size = float(np.linalg.norm(load.acceleration))
+            for unit, times in (("mm", 1000.0), ("cm", 100.0)):
+                if abs(size / (9.81 * times) - 1.0) < EARTHLY:
+                    yield (
+                        f"loads[{index}].acceleration: {size:.6g} m/s2 is {times:g} times the weight on Earth; "
+                        f"{size:.6g} {unit}/s2 are {size / times:.4g} m/s2"
+                    )
+    yield from _loads_twice(model)
 
 
 def _loads_twice(model: ModelDescription) -> Iterator[str]:
