@@ -1,5 +1,4 @@
-"""What of a matrix is left where supports hold nodes: its rows and columns of the motions that are free, as a sparse
-matrix.
+"""What supports leave of a matrix: its rows and columns of the motions that are free, as a sparse matrix.
 
 Where these are among the blocks depends on the layout of a model alone, and is found once for all its matrices.
 """
