@@ -15,7 +15,7 @@ from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.shipped import shipped_case
 from viscorod.results.quantities import evaluated, quantities_of
-from viscorod.results.state_arrays import PlainArray
+from viscorod.results.state_arrays import PlainArray, StateArrays
 from viscorod.solve.constraints.rigid_motions import free_motions
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem import layout
@@ -177,6 +177,26 @@ def test_numbers_of_a_motion_are_read_without_making_a_data_set(tmp_path):
     assert (run.outcome, run.title) == ("completed", "Cantilever, released")
     path = run.save(tmp_path / "run.nc")
     assert evaluated(quantities, vr.load(path)) == (numbers, [])
+
+
+def test_what_few_ask_for_is_made_once_when_it_is_asked_for():
+    made = []
+
+    def lost():
+        made.append(1)
+        return np.arange(6.0).reshape(3, 2)
+
+    arrays = {"kinetic": ("time", np.ones(3)), "dissipation": (("time", "point"), lost)}
+    stored = StateArrays(arrays, {"point_s": ("point", np.zeros(2))}, {}, ("time", np.arange(3.0)))
+    assert "dissipation" in stored
+    assert stored.sizes == {"time": 3, "point": 2}
+    np.testing.assert_array_equal(stored["kinetic"].values, 1.0)
+    assert not made
+    data = stored.data_set()
+    assert list(data.data_vars) == ["kinetic", "dissipation"]
+    np.testing.assert_array_equal(data["dissipation"].values, lost())
+    assert stored["dissipation"].isel(point=1).values.tolist() == [1.0, 3.0, 5.0]
+    assert len(made) == 2  # one of them here
 
 
 def test_arrays_are_cut_as_variables_of_xarray_are():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -61,7 +62,7 @@ def dataset_beside(
     ]  # what the mesh makes wrong, for one
     found = result.drop_vars(beside) if beside else result.copy()
     for name, given in (variables | coordinates).items():
-        values = np.asarray(given[1])
+        values = np.asarray(given[1]() if callable(given[1]) else given[1])
         if values.dtype.kind in "fi":
             found.variables[name].data = values
     found.attrs = {"kind": kind, **attrs}
@@ -125,14 +126,10 @@ def _of_motion(
     along = DIMENSION["simulate"]
     variables: dict[str, Any] = {}
     energy, branch_loss = energies
-    rate = recorded.strain_rate
-    momentum = _momenta(problem, recorded.r, recorded.q, recorded.twist)
-    power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
-    if problem.laws.present:
-        sections = np.tile(gauss.section, (len(rate), 1))
-        power += law_responses(problem.laws, sections, recorded.strain, rate)[..., POWER]
+    # few ask for these, and they take as long as the rest; what a user's law answers is asked for now
+    momenta = cache(partial(_momenta, problem, recorded.r, recorded.q, recorded.twist))
+    power = partial(_dissipation, problem, gauss, recorded)
     if problem.relaxing:
-        power += recorded.branch_power
         variables["branch_loss"] = ((along, "branch"), branch_loss)
         if recorded.branch_strain is not None:
             where = (along, "point", "branch", "component")
@@ -142,14 +139,26 @@ def _of_motion(
     if any(strain.changes for _, strain in problem.rest_strains):
         variables["actuator"] = (along, energy[:, 6])
     return variables | {
-        "dissipation": ((along, "point"), power),
+        "dissipation": ((along, "point"), power() if problem.laws.present else power),
         "viscous": (along, energy[:, 2]),
         "external": (along, energy[:, 3]),
         "numerical": (along, energy[:, 4]),
         "step_size": (along, np.array(history.step_size)),
-        "linear_momentum": ((along, "axis"), momentum[:, :3]),
-        "angular_momentum": ((along, "axis"), momentum[:, 3:]),
+        "linear_momentum": ((along, "axis"), lambda: momenta()[:, :3]),
+        "angular_momentum": ((along, "axis"), lambda: momenta()[:, 3:]),
     }
+
+
+def _dissipation(problem: Problem, gauss: GaussPositions, recorded: Snapshots) -> Floats:
+    """Return the power that is lost per length at all Gauss points ``(instants, points)`` [W/m]."""
+    rate = recorded.strain_rate
+    power = np.einsum("kgi,gij,kgj->kg", rate, gauss.damping, rate)
+    if problem.laws.present:
+        sections = np.tile(gauss.section, (len(rate), 1))
+        power += law_responses(problem.laws, sections, recorded.strain, rate)[..., POWER]
+    if problem.relaxing:
+        power += recorded.branch_power
+    return np.asarray(power)
 
 
 def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader) -> dict[str, Any]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -16,8 +16,8 @@ if TYPE_CHECKING:
 
 __all__ = ["Arranged", "PlainArray", "StateArrays", "Stored"]
 
-Arranged: TypeAlias = dict[str, tuple[str | tuple[str, ...], np.ndarray]]
-"""Arrays by name, each after its dimensions."""
+Arranged: TypeAlias = dict[str, tuple[str | tuple[str, ...], np.ndarray | Callable[[], np.ndarray]]]
+"""Arrays by name, or what makes them when they are asked for, each after its dimensions."""
 
 
 class PlainArray(NamedTuple):
@@ -58,6 +58,35 @@ class PlainArray(NamedTuple):
         return PlainArray(dims, found)
 
 
+class _Variables(Mapping[str, PlainArray]):
+    """Arrays by name, made when they are asked for."""
+
+    def __init__(self, given: Arranged) -> None:
+        self._given = given
+        self._made: dict[str, PlainArray] = {}
+
+    def __getitem__(self, name: str) -> PlainArray:
+        if name not in self._made:
+            dims, values = self._given[name]
+            found = np.asarray(values() if callable(values) else values)
+            self._made[name] = PlainArray((dims,) if isinstance(dims, str) else dims, found)
+        return self._made[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name in self._given
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._given)
+
+    def __len__(self) -> int:
+        return len(self._given)
+
+    @property
+    def there(self) -> Iterator[PlainArray]:
+        """Those that need not be made."""
+        return (self[name] for name, (_, values) in self._given.items() if not callable(values))
+
+
 @dataclass
 class StateArrays:
     """What the data set of a result is made of.
@@ -75,14 +104,10 @@ class StateArrays:
     attrs: dict[str, Any] = field(default_factory=dict)
 
     @cached_property
-    def variables(self) -> dict[str, PlainArray]:
+    def variables(self) -> _Variables:
         """All arrays by name, coordinates too."""
-        named = {name: ((name,), np.array(names)) for name, names in self.places.items()}
-        given = self.arrays | self.coordinates | named | {self.levels[0]: self.levels}
-        return {
-            name: PlainArray((dims,) if isinstance(dims, str) else dims, np.asarray(values))
-            for name, (dims, values) in given.items()
-        }
+        named: Arranged = {name: ((name,), np.array(names)) for name, names in self.places.items()}
+        return _Variables(self.arrays | self.coordinates | named | {self.levels[0]: self.levels})
 
     @property
     def coords(self) -> set[str]:
@@ -98,13 +123,14 @@ class StateArrays:
     @property
     def sizes(self) -> dict[str, int]:
         """Length of every dimension."""
-        return {name: size for array in self.variables.values() for name, size in array.sizes.items()}
+        return {name: size for array in self.variables.there for name, size in array.sizes.items()}
 
     def data_set(self) -> xr.Dataset:
         """Return the data set, of the same arrays."""
         import xarray as xr
 
-        return xr.Dataset(self.arrays, self._indexed(), attrs=self.attrs)
+        arrays = {name: self.variables[name] for name in self.arrays}
+        return xr.Dataset(arrays, self._indexed(), attrs=self.attrs)
 
     def _indexed(self) -> xr.Coordinates:
         """Return all coordinates; the indexes of places that have names are made once for all results."""

@@ -11,6 +11,7 @@ from scipy import stats
 from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.identification.named_combinations import Combination, complex_modulus
 from viscorod.casefile.case import Case
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import InputError
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.programs.inputs import PROGRAMS, SectionData
@@ -38,10 +39,11 @@ def in_programs(
     """
     mine = [k for k, one in enumerate(unknowns) if number_at(case, one.name) is not None]
     notes: list[str] = []
+    parts = KnownParts()
 
     def numbers(at: Floats) -> dict[str, float]:
         values = unknowns.values(at)
-        changed = case_with(case, {unknowns[k].name: float(values[k]) for k in mine})
+        changed = case_with(case, {unknowns[k].name: float(values[k]) for k in mine}, parts)
         return _numbers(changed, frequencies, notes)
 
     centre = numbers(z)

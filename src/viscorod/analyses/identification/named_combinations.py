@@ -13,6 +13,7 @@ from scipy import stats
 
 from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.casefile.case import Case
+from viscorod.casefile.known_parts import KnownParts
 from viscorod.model.materials.material import Material
 from viscorod.solve.estimation.intervals import Covariance
 from viscorod.solve.estimation.unknowns import Unknowns
@@ -115,11 +116,12 @@ def combinations(
     if not mine:
         return []
 
+    parts = KnownParts()
+
     def numbers(at: Floats) -> Named:
         values = unknowns.values(at)
-        return numbers_of_case(
-            case_with(case, {unknowns[k].name: float(values[k]) for k in mine}), frequencies
-        )
+        changed = case_with(case, {unknowns[k].name: float(values[k]) for k in mine}, parts)
+        return numbers_of_case(changed, frequencies)
 
     centre = numbers(z)
     slopes = {name: np.zeros(len(z)) for name in centre}
