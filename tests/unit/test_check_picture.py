@@ -223,3 +223,14 @@ def test_only_bodies_with_named_points_have_a_row_of_points():
     model.attach("rod.end", "ball")
     (row,) = check(DiscreteModel.of(model)).bodies
     assert "points" not in row
+
+
+def test_rods_of_a_large_frame_that_differ_in_direction_only_are_one_row():
+    model = vr.Model()
+    for k, angle in enumerate(np.linspace(0.0, 3.0, 20)):
+        turned = (0, np.cos(angle), np.sin(angle))
+        model.add(f"rod{k}", vr.Rod.straight((0, k, 0), (1, k, 0), **STEEL, d1=turned, elements=1))
+        model.clamp(f"rod{k}.start")
+    report = check(DiscreteModel.of(model))
+    assert len({row["d1 at its start"] for row in report.rods}) > 12  # in the numbers they are all there
+    assert "rod0 and 19 more" in report.text(80).partition("Sections")[0]

@@ -155,8 +155,11 @@ WRONG = [
     ({"tip": ("displacement", "boom.end", "y", "max")}, "quantities.tip: boom.end"),
     ({"tip": ("frequency", 1)}, "a result of [simulate] has none; it goes with modes, response"),
     ({"tip": ("decrement", "beam.end", "y", "period", 0)}, "cycles are numbered from 1"),
-    ({SHEAR: TIP}, "one that the table has for something else"),
-    ({"steps": TIP}, "one that the table has for something else"),
+    ({SHEAR: TIP}, "the table has a column or a variable 'materials.rubber.damping.shear_time' of its own"),
+    (
+        {"steps": TIP},
+        "the table has a column or a variable 'steps' of its own; give another name, such as 'my_steps'",
+    ),
     ({"tip": 3.0}, "no quantity"),
     ({"tip": ("energy",)}, "nothing: 2 more words are needed"),
 ]

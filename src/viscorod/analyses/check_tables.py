@@ -11,6 +11,7 @@ from viscorod.model.connections.spring_laws import Laws
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show
 from viscorod.model.rod import Rod
+from viscorod.results.reports.check_report import AXES_OF_RODS
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
@@ -51,8 +52,7 @@ def rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
         "mass [kg]": rod.mass if rod.has_inertia else "not given",
         "elements": elements,
         "order": part.order,
-        "d1 at its start": _direction(frame[:, 0]),
-        "d2 at its start": _direction(frame[:, 1]),
+        **{key: _direction(frame[:, k]) for k, key in enumerate(AXES_OF_RODS)},
     }
 
 

@@ -11,7 +11,12 @@ from viscorod.results.validity import Validity
 from viscorod.shown import Shown, counted
 from viscorod.typing import Floats
 
-__all__ = ["CheckReport"]
+__all__ = ["AXES_OF_RODS", "CheckReport"]
+
+AXES_OF_RODS = ("d1 at its start", "d2 at its start")
+"""Columns of the rods that tell how their sections lie."""
+_MOST_ROWS = 12
+"""Rods that differ, up to which these columns are shown."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -86,7 +91,7 @@ class CheckReport(Shown):
         ]
         conditions = f", {self.conditions} conditions of joints and held strains" if self.conditions else ""
         tables: list[tuple[str, Sequence[Mapping[str, object]]]] = [
-            ("Rods", _alike(self.rods)),
+            ("Rods", _rods(self.rods)),
             ("Sections", _alike(self.sections)),
             ("Materials", _alike(self.materials)),
             ("Rigid bodies", self.bodies),
@@ -107,6 +112,14 @@ class CheckReport(Shown):
             listed("Warnings", self.warnings) if self.warnings else "No warnings",
         ]
         return "\n\n".join(block for block in blocks if block)
+
+
+def _rods(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
+    """Return the rods, alike ones as one, without their axes where these make many rows of a large frame."""
+    found = _alike(rows)
+    if len(found) <= _MOST_ROWS:
+        return found
+    return _alike([{key: cell for key, cell in row.items() if key not in AXES_OF_RODS} for row in rows])
 
 
 def _alike(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
