@@ -308,7 +308,7 @@ def test_settings_beside_the_samples_of_an_oscilloscope(tmp_path):
     assert found.times == pytest.approx([-0.002, 0.0, 0.002, 0.004])
     assert found.values == pytest.approx(2e-3 * np.array([1.25, 1.5, 1.75, 2.0]))
     for gaps in ("refuse", "leave out"):
-        with pytest.raises(vr.InputError, match="line 3, column 2: 'CH1': this is no number"):
+        with pytest.raises(vr.InputError, match="'CH1': line 3, column 2: this is no number"):
             vr.Record.read(file, 2, time=4, gaps=gaps, **about)
 
 

@@ -173,9 +173,9 @@ class Columns:
             line, cell = self.texts[k]
             raise InputError(
                 Fault(
-                    f"{self.source}: line {line}, column {self.names[k] or k + 1}",
+                    self.source,
                     show(cell),
-                    "this is no number",
+                    f"line {line}, column {self.names[k] or k + 1}: this is no number",
                     "give a number, or leave the cell empty where nothing was measured",
                 )
             )
