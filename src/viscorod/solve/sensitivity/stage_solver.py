@@ -32,8 +32,8 @@ from viscorod.typing import Floats
 
 __all__ = ["StageSolver"]
 
-LEFT = 1e-13
-"""Of the right side, after preconditioning, where the iteration ends."""
+LEFT = 1e-15
+"""Of the right side, after preconditioning, where the iteration ends: at 1e-13 of one velocity 1e-4 were left."""
 ENOUGH = 1e-9
 """The same, where it goes no further: less is wrong."""
 ITERATIONS = 60
