@@ -277,7 +277,7 @@ class ManySteps:
         course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
         clock[:], numbers[:] = 0.0, 0
         self._began = integrator.t
-        clock[: loop_data.LAST_STEP] = course[: loop_data.LAST_STEP]
+        clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
         clock[loop_data.LAST_STEP] = length
         numbers[loop_data.HAVE], numbers[loop_data.FRESH] = course.have_jacobian, course.fresh_jacobian
         limits = self._loop.limits
@@ -297,11 +297,11 @@ class ManySteps:
         now, old = (
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
         )
-        t, factor_step, rate, earlier, lenient = clock[: loop_data.LAST_STEP].tolist()
+        t, factor_step, rate = clock[: loop_data.LAST_STEP].tolist()
         have, fresh = bool(numbers[loop_data.HAVE]), int(numbers[loop_data.FRESH])
         counts = numbers[loop_data.EVALUATED : loop_data.PASSED].tolist()
         moved = t > self._began
-        course = Course(t, factor_step, rate, earlier, lenient, have, fresh, *counts)
+        course = Course(t, factor_step, rate, have, fresh, *counts)
         self.integrator.take_back(now, course)
         if self._known:
             self.integrator.actions.reset()

@@ -25,7 +25,6 @@ from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators import iteration_verdict
 from viscorod.solve.transient.integrators.company import Company
 from viscorod.solve.transient.integrators.contract import OUTCOME, Inside, Integrator, StepReport
-from viscorod.solve.transient.integrators.jacobian_age import HELPED, LENIENT, MOST_LENIENT
 from viscorod.solve.transient.integrators.lent_steps import Course, Lent, StepTaken
 from viscorod.solve.transient.integrators.loop_data import OF_START, OLD
 from viscorod.solve.transient.integrators.record_kernels import StepEnd
@@ -49,7 +48,7 @@ class Collocation(StageModel):
     looks_within = True
 
     stale = 0.1
-    """Convergence rate from which on the Jacobian is renewed; more where that did not help."""
+    """Convergence rate from which on the Jacobian is renewed."""
 
     aged = 0.03
     """The same where a step of another length asks for new factors in any case."""
@@ -102,7 +101,7 @@ class Collocation(StageModel):
         links = self.stage_constraints
         if self.company is not None and (together := self.company.begin(self)) is not None:
             self._have_jacobian = together
-        elif self._rate > self._lenient * self.aged and not self.factors_of(h):
+        elif self._rate > self.aged and not self.factors_of(h):
             self._have_jacobian = False
         if links is not None and links.turn_axes(self.t, self.state):
             self._have_jacobian = False
@@ -110,7 +109,7 @@ class Collocation(StageModel):
         self.predictor.predict(self.state, self._stress, h)
         if not self._have_jacobian:
             self.system.constraints.pace = self.tableau.real / h
-            known, self._earlier = self.predictor.last is not None, self._rate
+            known = self.predictor.last is not None
             self.renew_jacobian(h, at_start=not known or self._fresh_jacobian != OLD)
         # equal steps differ by the rounding of their ends
         if not self.factors_of(h) and not self._factorise(h):
@@ -126,9 +125,6 @@ class Collocation(StageModel):
         self.systems.check()
         self.evaluations += (count + (code == iteration_verdict.CONVERGED)) * len(self.tableau.nodes)
         if code == iteration_verdict.CONVERGED:
-            if self._fresh_jacobian != OLD and self._earlier < 1.0 and self.company is None:
-                helped = rate <= HELPED * self._earlier
-                self._lenient = 1.0 if helped else min(LENIENT * self._lenient, MOST_LENIENT)
             self._rate, self._fresh_jacobian = rate, OLD
             error, worst = self._judge(error, worst)
             node, component = divmod(worst, 6)
@@ -154,14 +150,12 @@ class Collocation(StageModel):
         self.systems.provide()
         self.state = state
         have, fresh = self._have_jacobian, self._fresh_jacobian
-        rates = self._rate, self._earlier, self._lenient
-        return Course(self.t, self._factor_step, *rates, have, fresh, 0, 0, 0)
+        return Course(self.t, self._factor_step, self._rate, have, fresh, 0, 0, 0)
 
     def take_back(self, state: State, course: Course) -> None:
         """Go on from where the compiled loop has come to, with arrays of its own."""
         self.state, self.t = state, course.t
         self._factor_step, self._rate = course.factor_step, course.rate
-        self._earlier, self._lenient = course.earlier, course.lenient
         self._have_jacobian, self._fresh_jacobian = course.have_jacobian, course.fresh_jacobian
         self.evaluations += course.evaluations
         self.factorisations += course.factorisations
@@ -189,7 +183,7 @@ class Collocation(StageModel):
             self.dashpots.end_step(self.stages.strain)
         self._end_step(end, kinetic)
         self.t, self._step = self._end, h
-        if self._rate > self._lenient * self.stale:
+        if self._rate > self.stale:
             self._have_jacobian = False
 
     @property

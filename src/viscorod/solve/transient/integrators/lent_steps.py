@@ -31,16 +31,12 @@ class Lent(NamedTuple):
 class Course(NamedTuple):
     """How an integration stands: time and step of the factors [s], convergence rate, what there is of a Jacobian.
 
-    ``earlier`` is the rate with the Jacobian before, ``lenient`` how far the next one waits (see ``jacobian_age``).
-
     ``evaluations``, ``factorisations`` and ``jacobians`` are those since it was lent.
     """
 
     t: float
     factor_step: float
     rate: float
-    earlier: float
-    lenient: float
     have_jacobian: bool
     fresh_jacobian: int
     evaluations: int

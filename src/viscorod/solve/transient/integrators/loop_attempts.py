@@ -17,7 +17,6 @@ from viscorod.solve.transient.amplitude import (
     usual_at,
 )
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED
-from viscorod.solve.transient.integrators.jacobian_age import HELPED, LENIENT, MOST_LENIENT
 from viscorod.solve.transient.integrators.kernel_results import (
     ATTEMPTED,
     ENDED,
@@ -31,7 +30,6 @@ from viscorod.solve.transient.integrators.loop_data import (
     AGED,
     ALLOWED,
     ASK,
-    EARLIER,
     ELASTIC,
     EVALUATED,
     EXPONENT,
@@ -47,7 +45,6 @@ from viscorod.solve.transient.integrators.loop_data import (
     HAVE,
     KINETIC,
     LAST_STEP,
-    LENIENCY,
     LOSS,
     LOST,
     MARKS,
@@ -211,10 +208,9 @@ def provide(run: StepLoop, end: float) -> int:
         give_loads(run, t, end)
     h = end - t
     other = abs(h - clock[FACTOR_STEP]) > 1e-9 * h
-    if other and clock[RATE] > clock[LENIENCY] * run.limits[AGED]:
+    if other and clock[RATE] > run.limits[AGED]:
         numbers[HAVE] = 0
     if numbers[HAVE] == 0:
-        clock[EARLIER] = clock[RATE]
         run.model.task.numbers[H] = h
         again = numbers[FRESH] != OLD
         numbers[FRESH] = OF_START if again or not clock[LAST_STEP] > 0.0 else OF_MIDDLE
@@ -307,9 +303,6 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
             return FAILED, count, 0.0, 0
         numbers[HAVE] = 0
         return AGAIN, count, 0.0, 0
-    if numbers[FRESH] != OLD and clock[EARLIER] < 1.0:
-        more = min(LENIENT * clock[LENIENCY], MOST_LENIENT)
-        clock[LENIENCY] = 1.0 if rate <= HELPED * clock[EARLIER] else more
     clock[RATE], numbers[FRESH] = rate, OLD
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
     error /= tolerance_of(run, end)
@@ -375,5 +368,5 @@ def take_end(run: StepLoop, t: float) -> None:
         copy(end.points[field], state.points[1, field])
     copy(end.reactions[last], state.reactions[1])
     clock[LAST_STEP], clock[T] = h, t
-    if clock[RATE] > clock[LENIENCY] * run.limits[STALE]:
+    if clock[RATE] > run.limits[STALE]:
         numbers[HAVE] = 0

@@ -13,13 +13,11 @@ from viscorod.solve.transient.integrators.record_kernels import Between, Kept, R
 from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
 
-T, FACTOR_STEP, RATE, EARLIER, LENIENCY = range(5)
-LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(5, 12)
-HAD, WAS_FRESH, CLOCK = range(12, 15)
-"""Places in the clock: time and the step that factors are for [s], convergence rate, that of the Jacobian before, and
-how far the next one waits (see ``jacobian_age``); the last step [s] (0: there was none, or a jump since), its rotation
-[rad]; energies at its end, its work and loss [J], the largest shear or stretch at its end; ``HAVE`` and ``FRESH`` of a
-state that is put back."""
+T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
+HAD, WAS_FRESH, CLOCK = range(10, 13)
+"""Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s] (0: there was
+none, or a jump since), its rotation [rad]; energies at its end, its work and loss [J], the largest shear or stretch at
+its end; ``HAVE`` and ``FRESH`` of a state that is put back."""
 
 (
     HAVE,

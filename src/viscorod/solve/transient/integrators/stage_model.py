@@ -120,7 +120,7 @@ class StageModel:
         self.adjoints, self.inertia_terms = KnownTypes(jacobian.adjoint), KnownTypes(jacobian.add_inertia)
         self._have_jacobian, self._fresh_jacobian = False, OLD
         self._factor_step = self._end = self._step = 0.0
-        self._rate = self._earlier = self._lenient = 1.0  # of convergence, see ``jacobian_age``
+        self._rate = 1.0
 
     @property
     def unsaved(self) -> frozenset[str]:
