@@ -236,8 +236,8 @@ PROBLEMS = (
         "5 elements, 100 steps",
         NEW,
         103.747e-3,
-        "2 x order 6",
-        lambda: blade((2, 6)),
+        "4 x order 6",
+        lambda: blade((4, 6)),
         lambda: blade((8, 8), FINE),
     ),
     Problem(

@@ -38,7 +38,9 @@ def test_reaction_of_a_heavy_pendulum(kind):
     """A steel bar falls from level on a joint: 5/2 m g pull when it hangs, m g/4 when level (rigid pendulum).
 
     By default, and for several swings: the frozen Jacobian knows the joint turned otherwise, and what it left in
-    multipliers grew from step to step (to 1e38 N on the ball joint, and to the end of the run).
+    multipliers grew from step to step (to 1e38 N on the ball joint, and to the end of the run). The bending vibrations
+    that the release sets off are damped by steps of this length, and nothing else is told: beside 60 000 steps
+    positions are right, and section moments off by 54 % of the largest.
     """
     model = vr.Model()
     steel = vr.Material(2e11, 0.3, 7850.0)
@@ -57,7 +59,7 @@ def test_reaction_of_a_heavy_pendulum(kind):
     late = np.asarray(run.time) > 0.5 * swing
     assert np.abs(force - exact)[late].max() < 0.01 * 2.5 * weight
     assert force.max() < 1.05 * 2.5 * weight
-    assert not run.warnings
+    assert [text.split(" off by ")[0] for text in run.warnings] == ["the steps may leave section forces"]
 
 
 @every_integrator
