@@ -59,3 +59,15 @@ def test_very_many_equal_steps_are_told_beforehand():
     assert many_steps(FixedSteps(1e-3), 3.0, settings) == ""
     assert many_steps(FixedSteps(1e-5), 3.0, SimulateSettings(duration=3.0, time_step=1e-5)) == ""
     assert many_steps(ErrorControl(3, 1e-5, 3.0), 3.0, settings) == ""
+
+
+def test_very_many_periods_of_a_load_are_told_beforehand():
+    """A gigahertz where a kilohertz was meant: six steps of each of a million periods, before the first one."""
+    model = falling(2e11)
+    model.force("bar.end", (0.0, 1.0, 0.0), time=vr.Sine(1e9))
+    said = "of 1 GHz asks for at least 6000000 steps, 6 of each period"
+    with pytest.warns(vr.AccuracyWarning, match=said), pytest.raises(vr.SolveError) as stopped:
+        model.simulate(1e-3, stop=lambda: "seen enough")
+    assert any(said in text for text in stopped.value.run.warnings)
+    settings = SimulateSettings(duration=1.0)
+    assert many_steps(ErrorControl(3, 1e-4, 1.0), 1.0, settings, (1e-3,)) == ""

@@ -25,6 +25,10 @@ def doubts(youngs_modulus=2.1e11, density=7850.0, damping=None, angle=1.0):
         ({"youngs_modulus": 210.0}, "1 GPa is 1e9 Pa"),
         ({"youngs_modulus": 210e3}, "1 MPa is 1e6 Pa"),
         ({"damping": vr.LossFactor(extension=5.0, frequency=10.0)}, "1 % is 0.01"),
+        (
+            {"damping": vr.ComplexModuli([1.0, 10.0], [2.1e5, 2.2e5], [2e3, 2e3])},
+            "2.1e+05 to 2.2e+05 Pa; 1 MPa is 1e6",
+        ),
         ({"angle": 45.0}, "goes round 7.16 times upon itself; 45 degrees are 0.7854 rad"),
     ],
 )
@@ -47,3 +51,15 @@ def test_another_unit_is_told(given, text):
 )
 def test_materials_that_exist_are_not_doubted(modulus, density):
     assert doubts(modulus, density, angle=2.0 * np.pi) == []
+
+
+def test_a_modulus_in_the_range_of_its_own_table_is_not_doubted():
+    """At rest, of a table that begins in the glass transition, and none given."""
+    table = vr.ComplexModuli([1.0, 10.0], [2.1e7, 2.2e8], [2e6, 2e7])
+    for modulus in (3e6, 2e8):
+        assert not [text for text in doubts(modulus, 1200.0, table) if "own table" in text]
+    model = vr.Model()
+    material = vr.Material(poissons_ratio=0.4, density=1200.0, damping=table)
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=material))
+    model.clamp("rod.start")
+    assert not [text for text in model.check().warnings if "own table" in text]

@@ -179,3 +179,15 @@ def test_ramps_stay_where_they_end():
     model = bar()
     model.force("bar.end", (0, 0, 0.1), time=vr.TimeTable([0.0, 1e-3], [0.0, 1.0]))
     assert not any("loads[0].time" in text for text in model.simulate(2e-3).warnings)
+
+
+def test_springs_that_push_are_told():
+    """Those of magnets do; most have a sign that was not meant."""
+    model = bar()
+    model.spring("bar.end", stiffness={"uz": -5.0, "uy": 5.0})
+    model.line_spring("bar.end", (0, 0, 1), stiffness=3.0)
+    told = [text for text in model.check().warnings if "pushes away" in text]
+    assert told == [
+        "bushing bar.end - ground: a stiffness of -5 along uz pushes away from rest what leaves it; springs that pull "
+        "back have positive numbers"
+    ]

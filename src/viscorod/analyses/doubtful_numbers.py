@@ -9,6 +9,7 @@ import numpy as np
 from viscorod.model.centrelines.line_shapes import Arc
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
+from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
 
@@ -24,6 +25,9 @@ SOFT = ((100.0, 1e3), (3000.0, 1e7))
 with the density of water, and what is heavier than stone is a metal or a rubber full of one."""
 LOSSY = 3.0
 """Loss factor that no material has: the best dampers reach 2 in the middle of their glass transition."""
+
+FAR_FROM_TABLE = 10.0
+"""Times by which a modulus that is given may be outside of its own table of moduli: glass over rubber is more."""
 
 
 def doubtful_numbers(model: ModelDescription) -> list[str]:
@@ -54,6 +58,19 @@ def _of_material(material: Material) -> Iterator[str]:
         elif any(density >= heavy and modulus < soft for heavy, soft in SOFT):
             yield f"{given} are those of no solid, which is much stiffer; 1 MPa is 1e6 Pa and 1 GPa is 1e9 Pa"
     damping = material.damping
+    if isinstance(damping, ComplexModuli):
+        for strain, table in damping.tables.items():
+            word, mine = (
+                ("Young's modulus", modulus)
+                if strain == "extension"
+                else ("shear modulus", material.shear_modulus)
+            )
+            low, high = float(table.storage.min()), float(table.storage.max())
+            if not low / FAR_FROM_TABLE <= mine <= high * FAR_FROM_TABLE:
+                yield (
+                    f"its {word}, {mine:.4g} Pa, is far from its own table of {strain}, {low:.4g} to {high:.4g} Pa; "
+                    "1 MPa is 1e6 Pa, and without youngs_modulus the table gives it"
+                )
     if isinstance(damping, LossFactor):
         for name in ("extension", "shear", "bulk"):
             largest = max(_numbers(getattr(damping, name)), default=0.0)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
 import numpy as np
 
@@ -30,7 +30,7 @@ TOGETHER = 1e-4
 
 
 def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.0) -> list[str]:
-    """Return what is hardly meant: numbers in other units, sections past a centre, equal loads, loose ends.
+    """Return what is hardly meant: numbers in other units, sections past a centre, equal loads, springs that push.
 
     Args:
         model: what the user said; problem: the model discretised; duration: of its motion [s], which tables of time
@@ -38,7 +38,27 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
     """
     shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
     tables = [text for where, table in _records(model) for text in _uncovered(where, table, duration)]
-    return [*doubtful_numbers(model), *shapes, *_loads(model), *loose_ends(problem), *tables]
+    return [
+        *doubtful_numbers(model),
+        *shapes,
+        *_loads(model),
+        *_pushing(model),
+        *loose_ends(problem),
+        *tables,
+    ]
+
+
+def _pushing(model: ModelDescription) -> Iterator[str]:
+    """Yield which springs push what leaves its rest farther away."""
+    for spring in model.springs:
+        stiffness = getattr(spring, "stiffness", None)
+        for word, value in stiffness.items() if isinstance(stiffness, Mapping) else [("", stiffness)]:
+            if isinstance(value, float) and value < 0.0:
+                along = f" along {word}" if word else ""
+                yield (
+                    f"{spring.label}: a stiffness of {value:.4g}{along} pushes away from rest what leaves it; springs "
+                    "that pull back have positive numbers"
+                )
 
 
 def _no_rod(name: str, rod: Rod) -> Iterator[str]:

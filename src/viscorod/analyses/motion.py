@@ -94,7 +94,7 @@ def _motion(
     integrator, control, chosen = stepping(
         discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0], start, modes
     )
-    effort = many_steps(control, settings.duration, settings)
+    effort = many_steps(control, settings.duration, settings, discrete.problem.periods)
     if effort:
         warn(effort, at_once=True)
     halved = halved_steps(discrete, settings, modes, chosen, makers[1])

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -33,7 +33,7 @@ LEAST_STEPS = 10
 SEEN = 16
 """Slowest vibrations that equal steps are chosen by."""
 MANY = 50_000
-"""Equal steps of a run from which on it is said beforehand that there are so many."""
+"""Steps of a run from which on it is said beforehand that there are so many."""
 STEPS_PER_PERIOD = 6
 """Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
 
@@ -105,14 +105,31 @@ def moved_by_loads(discrete: DiscreteModel, settings: SimulateSettings) -> bool:
     return known and not driven and not problem.periods and settings.dynamics == "nonlinear"
 
 
-def many_steps(control: StepControl, duration: float, settings: SimulateSettings) -> str:
-    """Return a warning if equal steps that the program has chosen are very many, else nothing."""
+def many_steps(
+    control: StepControl, duration: float, settings: SimulateSettings, periods: Sequence[float] = ()
+) -> str:
+    """Return a warning if steps that the program has chosen, or a harmonic load asks for, are very many, else nothing.
+
+    Args:
+        control: of the steps; duration: of the motion [s]; settings: of it.
+        periods: of harmonic loads and motions [s].
+    """
+    method = INTEGRATORS[settings.integrator]
+    if isinstance(control, ErrorControl):
+        shortest = min(periods, default=math.inf)
+        count = math.ceil(STEPS_PER_PERIOD * duration / shortest)
+        if count < MANY:
+            return ""
+        return (
+            f"a load or motion of {quantity(1.0 / shortest, 'Hz', 3)} asks for at least {count} steps, "
+            f"{STEPS_PER_PERIOD} of each period; if it is what is meant, frequency_response and periodic have the "
+            "motion that lasts without the steps up to there"
+        )
     if settings.time_step is not None or not isinstance(control, FixedSteps):
         return ""
     count = math.ceil(duration / control.time_step)
     if count < MANY:
         return ""
-    method = INTEGRATORS[settings.integrator]
     return (
         f"{method.title} takes {count} equal steps of {quantity(control.time_step, 's', 2)}, which follow the "
         "vibrations about the start; integrator = 'radau' follows the motion that there is in far fewer, and time_step "
