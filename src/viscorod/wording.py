@@ -6,11 +6,21 @@ import difflib
 import re
 import reprlib
 from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
 from typing import Any
 
 from viscorod.errors import Fault, InputError
 
-__all__ = ["RefusedError", "did_you_mean", "nearest", "nearest_key", "path_text", "show", "some_of"]
+__all__ = [
+    "RefusedError",
+    "did_you_mean",
+    "missing",
+    "nearest",
+    "nearest_key",
+    "path_text",
+    "show",
+    "some_of",
+]
 
 _SHORT = reprlib.Repr()
 _SHORT.maxlevel, _SHORT.maxstring, _SHORT.maxother, _SHORT.maxlong = 3, 60, 60, 30
@@ -88,6 +98,11 @@ def _plain(value: Any) -> Any:
         first = value[: _SHORT.maxlist + 1]
         return type(value)(one.tolist() if type(one).__module__ == "numpy" else one for one in first)
     return value.tolist() if hasattr(value, "tolist") else value
+
+
+def missing(path: Path) -> str:
+    """Return why a path that is no file cannot be read."""
+    return "this is a folder" if path.is_dir() else "there is no such file"
 
 
 def path_text(loc: Iterable[str | int]) -> str:

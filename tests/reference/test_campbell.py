@@ -331,5 +331,10 @@ def test_a_diagram_is_kept_drawn_and_told(rotor, tmp_path):
     assert table[0].startswith("speed [rad/s],")
     assert len(table) == 1 + len(rotor.speeds)
     assert written(rotor.plot, tmp_path / "campbell.png").stat().st_size > 10_000
+    picture = rotor.plot()
+    picture.canvas.draw()
+    (turns,) = picture.axes[-1].child_axes  # under that in rad/s
+    assert turns.get_xlabel() == "[rpm]"
+    assert turns.get_xlim() == pytest.approx(rotor.speeds[[0, -1]] * 30.0 / np.pi)
     with pytest.raises(vr.InputError, match="no Campbell diagram"):
         vr.Campbell(rotor.data.drop_vars("whirl"))

@@ -141,7 +141,7 @@ def test_units_may_not_contradict_the_file(tmp_path):
 def test_files_that_are_none(tmp_path, monkeypatch):
     with pytest.raises(InputError, match="no such file"):
         read_dma_table(tmp_path / "absent.csv")
-    with pytest.raises(InputError, match="no such file"):
+    with pytest.raises(InputError, match="this is a folder"):
         read_dma_table(tmp_path)
     with pytest.raises(InputError, match="no file can have this name"):
         read_dma_table("\0")

@@ -313,3 +313,9 @@ def test_a_record_says_its_direction_as_it_is_typed():
     assert "displacement y of beam.end [m]" in text("y")
     assert "displacement -z of beam.end [m]" in text((0.0, 0.0, -2.0))
     assert "displacement along (0.6, 0.8, 0) of beam.end [m]" in text((3.0, 4.0, 0.0))
+
+
+def test_a_folder_is_not_said_to_be_missing(tmp_path):
+    for path, said in ((tmp_path, "this is a folder"), (tmp_path / "none.csv", "there is no such file")):
+        with pytest.raises(vr.InputError, match=f"{said}; give the path of a file of measured values"):
+            vr.Record.read(path, "x", place="beam.end", direction="x", quantity="displacement")

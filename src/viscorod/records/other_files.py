@@ -14,6 +14,7 @@ from viscorod.records.columns import Columns, is_unit, name_and_unit, stacked
 from viscorod.records.matlab_file import columns_of_matlab
 from viscorod.records.text_file import columns_of_text
 from viscorod.records.uff_file import columns_of_uff
+from viscorod.wording import missing
 
 __all__ = ["columns_of"]
 
@@ -52,7 +53,7 @@ def columns_of(source: Any, wanted: Any = None) -> Columns:
     }
     suffix = path.suffix.lower()
     if not path.is_file():
-        raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
+        raise InputError(Fault(str(path), "", missing(path), "give the path of a file of measured values"))
     if suffix in UNIVERSAL or (suffix == ".txt" and _is_universal(path)):
         return columns_of_uff(path, _library("pyuff", path), wanted if isinstance(wanted, str) else None)
     reader = readers.get(suffix, columns_of_text)

@@ -19,6 +19,7 @@ from viscorod.model.materials.table_text import MISSING, SEPARATORS, Numbers, li
 from viscorod.records.clock_times import clock_seconds, is_clock_time
 from viscorod.records.columns import Columns, is_unit, name_and_unit
 from viscorod.records.labview_text import labview_table
+from viscorod.wording import missing
 
 __all__ = ["columns_of_text"]
 
@@ -34,7 +35,7 @@ def columns_of_text(path: Path) -> Columns:
         InputError: it cannot be read; the message names the line.
     """
     if not path.is_file():
-        raise InputError(Fault(str(path), "", "there is no such file", "check the path"))
+        raise InputError(Fault(str(path), "", missing(path), "give the path of a file of measured values"))
     try:
         return _table(str(path), labview_table(lines_of(path)))
     except RefusedError as error:

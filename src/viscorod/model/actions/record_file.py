@@ -18,6 +18,7 @@ import numpy as np
 from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.typing import Floats
+from viscorod.wording import missing
 
 __all__ = ["LENGTHS", "TIME_UNITS", "VALUE_UNITS", "Columns", "read_columns", "read_points", "read_record"]
 
@@ -153,7 +154,7 @@ def _text(path: Path) -> str:
     """Return the text of a file: UTF-8 with or without a byte order mark, or Latin-1."""
     try:
         if not path.is_file():
-            raise RefusedError("there is no such file", "give the path of a table", found=show(str(path)))
+            raise RefusedError(missing(path), "give the path of a table", found=show(str(path)))
         if path.stat().st_size > LARGEST_TABLE:
             raise RefusedError(
                 "the file is too large",

@@ -10,6 +10,7 @@ from pathlib import Path
 
 from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.wording import missing
 
 __all__ = ["MISSING", "SEPARATORS", "Numbers", "lines_of", "looks_like_a_number", "words"]
 
@@ -46,7 +47,7 @@ def lines_of(path: Path) -> list[str]:
     """
     try:
         if not path.is_file():
-            raise RefusedError("there is no such file", "give the path of a table of a frequency sweep")
+            raise RefusedError(missing(path), "give the path of a table of a frequency sweep")
         size = path.stat().st_size
         if size > LARGEST_TABLE:
             raise RefusedError(

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from viscorod.pictures.picture import within
 from viscorod.pictures.style import (
@@ -17,6 +18,7 @@ from viscorod.pictures.style import (
     RED,
     SKY,
     SMALL,
+    TEXT,
     clean,
     figure,
     heading,
@@ -87,9 +89,28 @@ def draw_campbell(result: Campbell, ax: Axes | None = None) -> Figure:
         legend_above(above, 4)
     if ax is not None:
         return within(ax)
+    _in_turns(picture)
     seen = "on the model that turns" if result.frame == "turning" else "from space"
     picture.text(0.01, 0.012, f"frequencies as seen {seen}", fontsize=SMALL - 0.5, color=GREY)
     return picture
+
+
+def _in_turns(picture: Figure) -> None:
+    """Add the angular speed in turns per minute under that in rad/s."""
+    below = picture.axes[-1]
+    turns = below.secondary_xaxis("bottom", functions=(_per_minute, _per_second))
+    turns.spines["bottom"].set_position(("outward", 40.0))
+    turns.set_xlabel("[rpm]", fontsize=TEXT)
+    turns.tick_params(labelsize=SMALL, colors=INK)
+    picture.subplots_adjust(bottom=0.165)
+
+
+def _per_minute(speed: ArrayLike) -> Floats:
+    return np.asarray(speed, dtype=float) * (30.0 / np.pi)
+
+
+def _per_second(turning: ArrayLike) -> Floats:
+    return np.asarray(turning, dtype=float) * (np.pi / 30.0)
 
 
 def draw_stability(result: Stability, ax: Axes | None = None) -> Figure:
