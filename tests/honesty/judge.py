@@ -211,7 +211,8 @@ class _Answer:
         if self.values.shape != other.values.shape:
             return math.inf
         if self.scale == 0.0:
-            size = np.maximum(np.abs(other.values), 1e-6 * np.abs(other.values).max())
+            least = max(1e-6 * float(np.abs(other.values).max()), np.finfo(float).tiny)  # all may be zero
+            size = np.maximum(np.abs(other.values), least)
             return float((np.abs(self.values - other.values) / size).max())
         away = np.linalg.norm(self.values - other.values, axis=2).max()
         return float(away / max(other.scale, 1e-9 * max(self.lengths.values())))
