@@ -119,29 +119,34 @@ def test_four_bar_with_an_inclined_hinge(method):
     assert motion.imbalance() < (1e-5 if method["integrator"] == "radau" else 1e-2)
 
 
-@pytest.mark.parametrize("damping", [0.0, 2e-5])
-def test_slider_crank_with_a_flexible_coupler(damping):
-    """Closed loop: slider and mid-coupler deflection over two turns."""
-    case, rows = SliderCrank(damping=damping), table("slider_crank")
+def slider_crank(case: SliderCrank) -> vr.Model:
+    """The slider-crank as rods and bodies; its motor turns at an even speed."""
     EA, GA, EI = case.stiffness
     mass, J = case.density * case.area, case.density * case.inertia
     K = np.array([GA, GA, EA, EI, EI, EI])
-    given = {"damping": list(damping * K)} if damping else {}
+    given = {"damping": list(case.damping * K)} if case.damping else {}
     section = vr.StiffnessSection(list(K), [mass, mass, mass, J, J, 2 * J], **given)
     a, L, W = case.crank, case.length, case.speed
-    turns = float(rows["t"][-1])
+    turns = 8 * np.pi / W  # longer than any of the motions
     model = vr.Model()
-    crank = vr.Body(1e-3, (1e-6, 1e-6, 1e-6), centre=(0, 0, 0), points={"pin": (a, 0, 0)})
-    model.add("crank", crank)
+    model.add("crank", vr.Body(1e-3, (1e-6, 1e-6, 1e-6), centre=(0, 0, 0), points={"pin": (a, 0, 0)}))
     model.add("coupler", vr.Rod.straight((a, 0, 0), (a + L, 0, 0), section=section, elements=2, order=5))
     model.add("slider", vr.Body(case.slider, (1e-6, 1e-6, 1e-6), centre=(a + L, 0, 0)))
-    drive = vr.Ramp(0.0, 2 * turns, 2 * turns * W)
+    drive = vr.Ramp(0.0, turns, turns * W)
     model.revolute("ground", "crank", axis=(0, 0, 1), name="motor", motion={"rz": drive})
     model.revolute("crank.pin", "coupler.start", axis=(0, 0, 1), name="pin")
     model.revolute("coupler.end", "slider", axis=(0, 0, 1), name="wrist")
     model.prismatic("slider", "ground", axis=(1, 0, 0), name="guide")
     model.velocity("crank", angular=(0, 0, W))
     model.velocity("coupler", angular=(0, 0, -a * W / L), point=(a + L, 0, 0))
+    return model
+
+
+@pytest.mark.parametrize("damping", [0.0, 2e-5])
+def test_slider_crank_with_a_flexible_coupler(damping):
+    """Closed loop: slider and mid-coupler deflection over two turns."""
+    case, rows = SliderCrank(damping=damping), table("slider_crank")
+    model, turns = slider_crank(case), float(rows["t"][-1])
     motion = Motion(model, turns, initial="reference", tolerance=1e-6, output_interval=turns / 60)
     run = motion.run
     assert motion.drift < 1e-9

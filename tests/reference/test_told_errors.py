@@ -13,6 +13,7 @@ import viscorod as vr
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 
 from .independent.slider_crank import SliderCrank
+from .test_mechanisms import slider_crank
 from .test_step_errors import double_pendulum, soft, steel, suddenly_loaded, tumbling
 
 TIMES, FINE = 400, 6000
@@ -62,32 +63,14 @@ def halves():
     return model, {"duration": 1.0, "initial": "reference"}
 
 
-def slider_crank(damping=0.0):
+def crank_turn(damping=0.0):
     """One turn of a slider-crank whose coupler is a rod."""
     case = SliderCrank(damping=damping)
-    EA, GA, EI = case.stiffness
-    mass, J = case.density * case.area, case.density * case.inertia
-    K = np.array([GA, GA, EA, EI, EI, EI])
-    given = {"damping": list(damping * K)} if damping else {}
-    section = vr.StiffnessSection(list(K), [mass, mass, mass, J, J, 2 * J], **given)
-    a, L, W = case.crank, case.length, case.speed
-    turn = 2 * np.pi / W
-    model = vr.Model()
-    model.add("crank", vr.Body(1e-3, (1e-6, 1e-6, 1e-6), centre=(0, 0, 0), points={"pin": (a, 0, 0)}))
-    model.add("coupler", vr.Rod.straight((a, 0, 0), (a + L, 0, 0), section=section, elements=2, order=5))
-    model.add("slider", vr.Body(case.slider, (1e-6, 1e-6, 1e-6), centre=(a + L, 0, 0)))
-    drive = vr.Ramp(0.0, 2 * turn, 2 * turn * W)
-    model.revolute("ground", "crank", axis=(0, 0, 1), name="motor", motion={"rz": drive})
-    model.revolute("crank.pin", "coupler.start", axis=(0, 0, 1), name="pin")
-    model.revolute("coupler.end", "slider", axis=(0, 0, 1), name="wrist")
-    model.prismatic("slider", "ground", axis=(1, 0, 0), name="guide")
-    model.velocity("crank", angular=(0, 0, W))
-    model.velocity("coupler", angular=(0, 0, -a * W / L), point=(a + L, 0, 0))
-    return model, {"duration": turn, "initial": "reference"}
+    return slider_crank(case), {"duration": 2 * np.pi / case.speed, "initial": "reference"}
 
 
-def damped_slider_crank():
-    return slider_crank(5e-5)
+def damped_crank_turn():
+    return crank_turn(5e-5)
 
 
 def compared(run, fine):
@@ -100,8 +83,8 @@ def compared(run, fine):
 
 
 MOTIONS = (
-    swinging, relaxing, suddenly_loaded, pulled, tumbling, falling, halves, double_pendulum, slider_crank,
-    damped_slider_crank,
+    swinging, relaxing, suddenly_loaded, pulled, tumbling, falling, halves, double_pendulum, crank_turn,
+    damped_crank_turn,
 )  # fmt: skip
 
 

@@ -14,14 +14,13 @@ from viscorod.analyses.call_arguments import CallOptions, Progress
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
 from viscorod.analyses.one_thread import one_blas_thread
-from viscorod.analyses.refinement import (
-    refined,
+from viscorod.analyses.refined_frequencies import (
     refined_buckling,
     refined_modes,
-    refined_motion,
     refined_periodic,
     refined_response,
 )
+from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.settings.buckling import BucklingSettings

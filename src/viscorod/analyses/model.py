@@ -166,7 +166,7 @@ class Model(Inspected):
         """
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.modes import modes
-        from viscorod.analyses.refinement import refined_modes
+        from viscorod.analyses.refined_frequencies import refined_modes
 
         discrete = DiscreteModel.of(self, call, call.options)
         found = refined_modes(modes, discrete, call)
@@ -283,7 +283,7 @@ class Model(Inspected):
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.frequency_response import frequency_response
         from viscorod.analyses.linear_about import with_input_loads
-        from viscorod.analyses.refinement import refined_response
+        from viscorod.analyses.refined_frequencies import refined_response
 
         model = with_input_loads(self, call)
         discrete = DiscreteModel.of(model, call, call.options)
@@ -317,7 +317,7 @@ class Model(Inspected):
         from viscorod.analyses.discrete import DiscreteModel
         from viscorod.analyses.linear_about import with_input_loads
         from viscorod.analyses.periodic import periodic
-        from viscorod.analyses.refinement import refined_periodic
+        from viscorod.analyses.refined_frequencies import refined_periodic
 
         driven = with_input_loads(self, call)
         discrete = DiscreteModel.of(driven, call, call.options)
@@ -344,7 +344,7 @@ class Model(Inspected):
         """
         from viscorod.analyses.buckling import buckling
         from viscorod.analyses.discrete import DiscreteModel
-        from viscorod.analyses.refinement import refined_buckling
+        from viscorod.analyses.refined_frequencies import refined_buckling
 
         return refined_buckling(buckling, DiscreteModel.of(self, call, call.options), call)
 

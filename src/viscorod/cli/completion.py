@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
+from typing import get_args
 
-__all__ = ["case_names", "program_names", "words"]
+__all__ = ["case_names", "program_names", "quantities", "words"]
 
 
 def words(*choices: str) -> Callable[[str], list[str]]:
@@ -28,6 +29,13 @@ def program_names(incomplete: str) -> list[str]:
     from viscorod.programs.inputs import PROGRAMS
 
     return _beginning(incomplete, PROGRAMS)
+
+
+def quantities(incomplete: str) -> list[str]:
+    """Complete a quantity of which a motion has histories."""
+    from viscorod.results.recorded_states import Quantity
+
+    return _beginning(incomplete, get_args(Quantity))
 
 
 def _beginning(incomplete: str, choices: Iterable[str]) -> list[str]:

@@ -7,7 +7,7 @@ from typing import Annotated
 
 import typer
 
-from viscorod.cli.completion import words
+from viscorod.cli.completion import quantities
 from viscorod.cli.files import opened
 from viscorod.cli.options import ResultFile, range_of
 from viscorod.cli.terminal import readable_errors, written
@@ -32,17 +32,7 @@ def export(
             metavar="WORD",
             help="position (also by default), displacement, rotation, frame, velocity, angular_velocity, strain, "
             "section_force, dissipation; may be repeated.",
-            autocompletion=words(
-                "position",
-                "displacement",
-                "rotation",
-                "frame",
-                "velocity",
-                "angular_velocity",
-                "strain",
-                "section_force",
-                "dissipation",
-            ),
+            autocompletion=quantities,
         ),
     ] = None,
     energy: Annotated[bool, typer.Option("--energy", help="The energy account.")] = False,
