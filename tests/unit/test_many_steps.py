@@ -115,6 +115,32 @@ def free():
     return model
 
 
+def relaxing(motion=None):
+    """Let go with two Maxwell branches, pushed with a jump, and a second rod of another order without branches."""
+    stiffness, _, mass = vr.Rectangle(0.01, 0.01).matrices(
+        vr.Material(1e6, poissons_ratio=0.3, density=1000.0)
+    )
+    pairs = (0.4, 0.02), (0.6, 0.4)
+    branches = [vr.MaxwellBranch(time=time, stiffness=part * stiffness) for part, time in pairs]
+    section = vr.StiffnessSection(stiffness, mass, damping=2e-3 * stiffness, branches=branches)
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=section, elements=1, order=4)
+    model.add("rod", rod)
+    stiff = vr.StiffnessSection(2.0 * stiffness, mass, damping=4e-3 * stiffness)
+    tip = vr.Rod.straight((0.3, 0, 0), (0.4, 0.1, 0), section=stiff, elements=2, order=2)
+    model.add("tip", tip)
+    model.attach("rod.end", "tip.start")
+    model.clamp("rod.start", motion=motion)
+    model.gravity((0, 0, -9.81))
+    model.force("rod.end", (0, 0.02, 0), until=0.15)
+    return model
+
+
+def relaxing_and_driven():
+    """The same, whose clamp turns to and fro: Python makes the Jacobians."""
+    return relaxing({"rz": vr.Sine(2.0, amplitude=0.5)})
+
+
 def bent_out_of_two():
     """Two rods of elements of other orders."""
     model = clamped()
@@ -137,6 +163,10 @@ def bent_out_of_two():
         (pulsed, {"tolerance": 1e-4, "output_interval": 0.02}),
         (pulsed, {"tolerance": 1e-3}),
         (driven, {"tolerance": 1e-4, "output_interval": 0.013}),
+        (relaxing, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (relaxing, {"tolerance": 1e-3}),
+        (relaxing, {}),
+        (relaxing_and_driven, {"tolerance": 1e-4, "output_interval": 0.013}),
         (free, {}),
         (free, {"tolerance": 1e-3}),  # a third of the attempts do not converge
     ],
@@ -198,22 +228,27 @@ def test_corners_are_passed_at_once(taken, monkeypatch):
     assert again.data.equals(run.data)
 
 
-def test_a_run_goes_on_from_a_step_that_was_taken_with_others(taken, monkeypatch):
+@pytest.mark.parametrize("make", [thrust, relaxing])
+def test_a_run_goes_on_from_a_step_that_was_taken_with_others(make, taken, monkeypatch):
     """Bit for bit, from a checkpoint in the middle."""
     monkeypatch.setattr(many_steps, "MOST_STEPS", 5)
-    whole, state = transient(thrust(), 0.4)
+    whole, state = transient(make(), 0.4)
     end = whole.run(state, 0.4).history.snapshots[-1]
-    first, state = transient(thrust(), 0.4)
+    first, state = transient(make(), 0.4)
     half = first.run(state, 0.4, after_step=lambda: "enough" if first.integrator.t > 0.2 else "")
     assert half.outcome is Outcome.INTERRUPTED
     assert half.between_steps
-    second, state = transient(thrust(), 0.4)
+    second, state = transient(make(), 0.4)
     rest = second.run(state, 0.4, checkpoint=first.saved())
     assert sum(taken) > 0
+    assert len(whole.account.branches) == (2 if make is relaxing else 0)
     for one, other in zip(end[1:4], rest.history.snapshots[-1][1:4], strict=True):
         np.testing.assert_array_equal(one, other)
     np.testing.assert_array_equal(end.state.r, rest.history.snapshots[-1].state.r)
     assert second.account.recorded == whole.account.recorded
+    np.testing.assert_array_equal(second.account.branches, whole.account.branches)
+    if end.branch_strain is not None:
+        np.testing.assert_array_equal(end.branch_strain, rest.history.snapshots[-1].branch_strain)
 
 
 class Told:

@@ -11,8 +11,8 @@ import numpy as np
 import viscorod as vr
 from helpers.small_frame import Moved, section
 from viscorod.mechanics.compilation.compiled import KERNELS, announce_compilation
+from viscorod.mechanics.elements.branch_memory import begin_branches
 from viscorod.mechanics.elements.internal_force import ElementWork, GaussStates, internal_forces
-from viscorod.mechanics.elements.maxwell_branches import remember
 from viscorod.solve.problem.external_loads import ExternalLoads
 
 
@@ -66,7 +66,7 @@ if __name__ == "__main__":
 
 
 def test_a_kernel_that_only_motions_need_is_announced_by_these(monkeypatch):
-    """An equilibrium of Maxwell branches never compiles ``remember``, and does not say so every time."""
+    """An equilibrium of Maxwell branches never compiles ``begin_branches``, and does not say so every time."""
     said = []
     monkeypatch.setattr("viscorod.analyses.discrete.announce_formulation", said.append)
     monkeypatch.setattr("viscorod.analyses.motion_start.announce_formulation", said.append)
@@ -79,4 +79,4 @@ def test_a_kernel_that_only_motions_need_is_announced_by_these(monkeypatch):
     model.equilibrium()
     assert not said
     model.simulate(1e-3)
-    assert said == [remember]
+    assert said == [begin_branches]

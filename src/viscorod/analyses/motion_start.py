@@ -14,7 +14,7 @@ from viscorod.analyses.start_velocities import blow_at_start
 from viscorod.errors import InputError, warn
 from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
-from viscorod.mechanics.elements.maxwell_branches import remember
+from viscorod.mechanics.elements.branch_memory import begin_branches
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.relaxing import Relaxing, vibrating
@@ -56,7 +56,7 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     if settings.formulation == "intrinsic":
         announce_formulation(intrinsic.forces_at)
     if discrete.problem.relaxing and settings.dynamics == "nonlinear":
-        announce_formulation(remember)
+        announce_formulation(begin_branches)
     return state, text
 
 

@@ -25,7 +25,7 @@ import numpy as np
 
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.elements.internal_force import Elements
-from viscorod.typing import Floats, Integers
+from viscorod.typing import Floats
 
 
 class MaxwellArrays(NamedTuple):
@@ -76,33 +76,6 @@ class MaxwellArrays(NamedTuple):
             *((0, 0, 0, 0, 6), (0, 0), (0, 6)),
         )
         return cls._make(map(np.zeros, shapes))
-
-
-@kernel
-def remember(
-    orders: Integers,
-    section: Integers,
-    branches: Floats,
-    factor: Floats,
-    start: Floats,
-    past: Floats,
-) -> None:
-    """Write what the past subtracts from the section forces, ``P_i = sum_j C_j sum_k (F_j)_ik alpha_j0``."""
-    stages = past.shape[0]
-    for e in range(orders.shape[0]):
-        for g in range(orders[e]):
-            of = section[e, g]
-            for i in range(stages):
-                for a in range(6):
-                    past[i, e, g, a] = 0.0
-            for j in range(start.shape[0]):
-                for a in range(6):
-                    force = 0.0
-                    for b in range(6):
-                        force += branches[of, j, a, b] * start[j, e, g, b]
-                    for i in range(stages):
-                        for k in range(stages):
-                            past[i, e, g, a] += factor[j, i, k] * force
 
 
 @part

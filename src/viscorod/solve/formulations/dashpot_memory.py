@@ -94,8 +94,8 @@ class DashpotMemory:
             mixed = -2.0 * np.expm1(-ratio)
             squared = -0.5 * np.expm1(-2.0 * ratio)
             loss = ratio * self._product(p, p) + mixed * self._product(p, q) + squared * self._product(q, q)
-            self.dashpot = strain - end
-        self.strain = strain.copy()
+            self.dashpot[:] = strain - end
+        self.strain[:] = strain
         self.set_step(0.0)
         return np.asarray(loss)
 
@@ -106,10 +106,7 @@ class DashpotMemory:
 
     def power(self, strain: Floats) -> Floats:
         """Return the power that the branches dissipate per length [W/m] at ``strain (e, points, 6)``."""
-        return self.power_of(strain - self.dashpot)
-
-    def power_of(self, spring: Floats) -> Floats:
-        """Return the power dissipated per length ``(e, points)`` [W/m] at spring strains ``(n, e, points, 6)``."""
+        spring = strain - self.dashpot
         return np.asarray(np.einsum("jega,jega,j->eg", spring, self._forces(spring), 1.0 / self.times))
 
     def _product(self, a: Floats, b: Floats) -> Floats:

@@ -193,7 +193,7 @@ class ElementAssembly:
         beside = self._beside if self.imposed.changes else self.prestress
         columns = self._all_columns, np.zeros_like(self._all_columns)
         fields = PointFields(stress, beside, self.strain, self.strain_rate, self.section_force, *columns)
-        return self._elements, self.batches, fields, geometric.Assembled(self.internal, K, C)
+        return self._moving(), self.batches, fields, geometric.Assembled(self.internal, K, C)
 
     @property
     def tangent_kernels(self) -> tuple[KnownTypes, KnownTypes]:
@@ -245,6 +245,15 @@ class ElementAssembly:
         if self.relaxation is None and not self.problem.rest_strains:
             return self._elements
         return self._elements._replace(stiffness=self._stiffness, reference=self._reference)
+
+    def _moving(self) -> Elements:
+        """Return all elements of a motion, which has the whole rest strains."""
+        elements = self._elements
+        if self.relaxation is not None:
+            elements = elements._replace(stiffness=self._stiffness)
+        if self.imposed.changes:
+            elements = elements._replace(reference=self._reference)
+        return elements
 
     def _point_fields(self, group: int, stress: Floats, strain_columns: Floats) -> PointFields:
         """Return what an assembly of a group with a stress iterate reads and writes at the Gauss points."""
@@ -312,13 +321,8 @@ class ElementAssembly:
         """See :class:`~viscorod.solve.formulations.system.System`."""
         self.internal.fill(0.0)
         out = geometric.Assembled(self.internal, K, C)
-        elements = self._elements  # motions have the whole rest strains
-        if self.relaxation is not None:
-            elements = elements._replace(stiffness=self._stiffness)
-        if self.imposed.changes:
-            elements = elements._replace(reference=self._reference)
         kernels = self._assemble.call, self._collect.call
-        self._add_elements(elements, stress, state, (True, ad, True), out, operators, kernels)
+        self._add_elements(self._moving(), stress, state, (True, ad, True), out, operators, kernels)
 
     def carry_stress(self, increment: Floats) -> None:
         """See :class:`~viscorod.solve.formulations.system.System`."""

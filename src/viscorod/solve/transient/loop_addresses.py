@@ -6,6 +6,7 @@ import numpy as np
 
 from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.elements.branch_memory import BranchRows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
@@ -28,7 +29,7 @@ __all__ = ["NOWHERE", "find_addresses"]
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
 
-_known: dict[tuple[int, bool], Addresses] = {}
+_known: dict[tuple[int, bool, bool], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
 
 
@@ -48,11 +49,12 @@ def find_addresses(
         renewal: of Jacobians; number: of the kind of loop.
     """
     renews = _renews(integrator)
-    key = number, renews
+    key = number, renews, integrator.dashpots is None
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
         kernels |= _of_records(integrator, model, given, states)
+        kernels |= _of_branches(integrator)
         if renews:
             kernels |= _of_jacobians(integrator, given, renewal)
         found = _known[key] = NOWHERE._replace(**kernels)
@@ -93,6 +95,7 @@ def _of_systems(integrator: Radau, systems: LoopSystems) -> dict[str, int]:
     """Return where matrices are made and factorised."""
     own, body, mu = integrator.systems, integrator.body, 1.0
     K, C, mass, _, directions, _ = integrator.matrices
+    complex_K = K if integrator.dashpots is None else integrator.dashpots.pair.blocks
     real, pairs, real_rows, pair_rows, scales = own.factors
     where, places = (body.supports, directions, body.pattern, scales), own.real.places
     return {
@@ -114,7 +117,7 @@ def _of_systems(integrator: Radau, systems: LoopSystems) -> dict[str, int]:
         "combine_pair": address_of(
             own.pair_combination,
             kernel_results.NOTHING,
-            lambda: (K, C, mass, complex(mu), *where, pair_rows[0], systems.pairs[0]),
+            lambda: (complex_K, C, mass, complex(mu), *where, pair_rows[0], systems.pairs[0]),
         ),
     }
 
@@ -139,6 +142,31 @@ def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: B
             kernel_results.NOTHING,
             lambda: (np.zeros(1), *step, True, True, states),
         ),
+    }
+
+
+def _of_branches(integrator: Radau) -> dict[str, int]:
+    """Return where the kernels of Maxwell branches are, if there are any."""
+    dashpots = integrator.dashpots
+    if dashpots is None:
+        return {}
+    points, number = len(dashpots.places), len(dashpots.step.times)
+    rows, tableau = BranchRows.of(1, points, number), integrator.tableau
+    given, parts = dashpots.stiffen_arguments(integrator.matrices), np.zeros(1)
+
+    def address(kernel: KnownTypes, *arguments: object) -> int:
+        return address_of(kernel, kernel_results.NOTHING, lambda: arguments)
+
+    through = tableau.values, tableau.integrals
+    return {
+        "stiffen_real": address(dashpots.stiffen_real, 1.0, *given, dashpots.real),
+        "stiffen_pair": address(dashpots.stiffen_pair, 1j, *given, dashpots.pair),
+        "begin_branches": address(dashpots.begin, *dashpots.begin_arguments(1.0)),
+        "keep_branches": address(
+            dashpots.keep, tableau.weights, integrator.stages.strain, dashpots.step, dashpots.own
+        ),
+        "read_branches": address(dashpots.read, 0, *dashpots.reading, rows),
+        "read_within": address(dashpots.within, parts, 0, *through, *dashpots.reading, rows),
     }
 
 

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import numpy as np
 
+from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.integrators import loop_data
+from viscorod.solve.transient.integrators.branch_systems import Stiffened
 from viscorod.solve.transient.integrators.lent_steps import Lent
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, StepEnd
@@ -24,12 +26,19 @@ MOST_STEPS = 64
 """Steps at once: an interrupt waits for them."""
 MOST_CORNERS = 63
 """Corners of loads that are known beforehand, beside the next one."""
-MOST_ROWS = 256
+MOST_ROWS, LEAST_ROWS = 256, 32
 """States at once."""
+MOST_BYTES = 2**24
+"""What strains of Maxwell branches in so many states may take, beyond the least number of these."""
 LEAST_STEP = 1e-6
 """Shortest step over the duration: one by one, steps are watched more closely."""
 LARGEST_STRAIN = 100.0
 """Shear or stretch beyond which a run is stopped: nothing that means anything comes after it."""
+
+
+_NO_BRANCHES = loop_data.LoopBranches(
+    BranchMemory.none(), Stiffened.of(0, 0, float), Stiffened.of(0, 0, complex)
+)
 
 
 def loop_arrays(
@@ -46,12 +55,14 @@ def loop_arrays(
     lent, body = integrator.lent, integrator.body
     fields, reaction = integrator.recorder.present
     state = _state(integrator, lent, fields.shape[1], len(reaction))
+    branches = _branches(integrator)
     clock = np.zeros(loop_data.CLOCK)
     return loop_data.StepLoop(
         model=loop_data.LoopModel(
             lent.task,
             lent.reading,
             integrator.predictor.gap,
+            branches,
         ),
         systems=loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places),
         state=state,
@@ -61,8 +72,8 @@ def loop_arrays(
         limits=_limits(integrator, duration, output_interval),
         control=control.numbers,
         trials=np.zeros(loop_data.TRIALS),
-        batch=_batch(len(body.mass), fields.shape[1], len(reaction)),
-        backup=_backup(state, lent.task.bundle.matrices, clock),
+        batch=_batch(len(body.mass), fields.shape[1], len(reaction), len(branches.memory.loss)),
+        backup=_backup(state, branches.memory, lent.task.bundle.matrices, clock),
         renewal=_renewal(integrator, lent),
         message=np.zeros(4),
         loads=_loads(integrator, courses),
@@ -89,17 +100,27 @@ def _state(integrator: Radau, lent: Lent, points: int, supports: int) -> loop_da
     )
 
 
-def _batch(nodes: int, points: int, supports: int) -> loop_data.Batch:
-    rows = MOST_ROWS
+def _branches(integrator: Radau) -> loop_data.LoopBranches:
+    dashpots = integrator.dashpots
+    if dashpots is None:
+        return _NO_BRANCHES
+    return loop_data.LoopBranches(dashpots.own, dashpots.real, dashpots.pair)
+
+
+def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.Batch:
+    fit = MOST_BYTES // max(48 * points * branches, 1)
+    rows = min(max(fit, LEAST_ROWS), MOST_ROWS)
     return loop_data.Batch(
         np.zeros(MOST_STEPS),
         np.zeros(MOST_STEPS),
         np.zeros((3, MOST_STEPS), dtype=np.int64),
         np.zeros((MOST_STEPS + 1, 4)),
+        np.zeros((MOST_STEPS + 1, branches)),
         np.zeros(rows),
         np.full(rows + 1, 0.5),
         np.zeros(rows, dtype=np.int64),
         Between.of(rows + loop_data.EXTRA_ROWS, nodes, points, supports),
+        BranchRows.of(rows + loop_data.EXTRA_ROWS, points, branches),
         np.zeros(loop_data.MARKS, dtype=np.int64),
         np.zeros((loop_data.MOST_TRIALS, 4)),
     )
@@ -127,13 +148,15 @@ def _limits(integrator: Radau, duration: float, output_interval: float | None) -
     return limits
 
 
-def _backup(state: loop_data.LoopState, matrices: Matrices, clock: Floats) -> loop_data.Backup:
+def _backup(
+    state: loop_data.LoopState, branches: BranchMemory, matrices: Matrices, clock: Floats
+) -> loop_data.Backup:
     """Return what steps go on from, as rows of numbers."""
     now, last, kept, end = state.now, state.last, state.kept, state.end
     K, C, mass, adjoint, directions, operators = matrices
     arrays = (
         *(clock, now.r, now.q, now.twist, last.r, last.q, last.twist, state.points, state.reactions),
-        *(*kept, *end, state.follows.numbers),
+        *(*kept, *end, state.follows.numbers, branches.dashpot, branches.strain),
         *(K, C, mass, adjoint, *directions, *operators),
     )
     live = tuple(array.reshape(-1) for array in arrays)

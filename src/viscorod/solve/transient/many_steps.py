@@ -12,7 +12,7 @@ from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.compilation.shared import Shared
-from viscorod.solve.energy_account import NO_LOSS, EnergiesKnown, EnergyAccount, energies_within
+from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.problem.load_courses import course_loads
@@ -102,7 +102,7 @@ class ManySteps:
         problem, systems = integrator.system.problem, integrator.systems
         serves = (
             problem.size <= MOST_NODES
-            and not (problem.constrained or problem.relaxing or problem.motion_loads)
+            and not (problem.constrained or problem.motion_loads)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
             and not len(integrator.supports.partial)
             and systems.real.plan.banded
@@ -204,6 +204,7 @@ class ManySteps:
         account.kinetic, account.elastic, account.viscous, account.external = self._loop.batch.accounts[
             steps
         ].tolist()
+        account.branches = self._loop.batch.lost[steps].copy()
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls."""
@@ -234,7 +235,8 @@ class ManySteps:
         energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, nothing, nothing))
         ended = places == 1.0
         energies[ended] = accounts[of_step[ended] + 1, :7]
-        branches = np.zeros((rows, len(NO_LOSS)))
+        branches = batch.lost[of_step] + batch.branches.loss[:rows]
+        branches[ended] = batch.lost[of_step[ended] + 1]
         return (
             batch.instants[:rows].tolist(),
             Records(states, EnergiesKnown(energies, branches)),
@@ -247,6 +249,9 @@ class ManySteps:
         found = self._loop.batch.states
         strain, rate, force = found.fields.points[:, rows].copy()
         kinetic, _, _, elastic = found.energies[:, rows].copy()
+        branches, power, spring = self._loop.batch.branches, None, None
+        if self.integrator.dashpots is not None:
+            power, spring = branches.power[rows].copy(), branches.strain[rows].copy()
         return Snapshots(
             found.r[rows].copy(),
             found.q[rows].copy(),
@@ -258,6 +263,9 @@ class ManySteps:
             found.fields.reactions[rows].copy(),
             kinetic,
             elastic,
+            None,
+            power,
+            spring,
         )
 
     def _begin(self, account: EnergyAccount) -> None:
@@ -289,6 +297,7 @@ class ManySteps:
         self._loop.loads.stages.factors[:] = np.nan  # what steps read may be Python's
         batch.notes[0], batch.states.energies[3] = 0, 0.0
         batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
+        batch.lost[0] = account.branches
 
     def _finish(self) -> None:
         """Bring the integrator to where the loop ended."""

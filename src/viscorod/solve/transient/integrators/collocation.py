@@ -17,7 +17,6 @@ from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.energy_account import NO_LOSS, StepShare
-from viscorod.solve.formulations.dashpot_memory import at_points
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot
 from viscorod.solve.problem.imposed_strains import Imposed
@@ -200,12 +199,8 @@ class Collocation(StageModel):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         snapshot = self.recorder.snapshot
         if self.dashpots is not None:
-            power = self.dashpots.memory.power(self.dashpots.memory.strain)
-            places, memory = self.system.gauss_indices(), self.dashpots.memory
-            snapshot = snapshot._replace(
-                branch_power=power.ravel()[places],
-                branch_strain=at_points(memory.strain - memory.dashpot, places),
-            )
+            present = self.dashpots.present()
+            snapshot = snapshot._replace(branch_power=present.power[0], branch_strain=present.strain[0])
         if self.stage_constraints is None or self._factor_step == 0.0:
             return snapshot
         self.system.constraints.update(self.t, True)  # states between may have been computed
@@ -223,12 +218,9 @@ class Collocation(StageModel):
             actuator = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[3])
         if self.dashpots is None:
             return Inside(states, StepShare(work, loss, outside, actuator, np.zeros((len(parts), 0))))
-        places = self.system.gauss_indices()
-        found = self.dashpots.springs_between(parts)
-        powers = [self.dashpots.memory.power_of(spring).ravel()[places] for spring in found]
-        states = states._replace(branch_power=np.array(powers), branch_strain=at_points(found, places))
-        lost = self.dashpots.loss_until(parts)
-        return Inside(states, StepShare(work, loss, outside, actuator, lost))
+        found = self.dashpots.between(parts)
+        states = states._replace(branch_power=found.power, branch_strain=found.strain)
+        return Inside(states, StepShare(work, loss, outside, actuator, found.loss))
 
     @property
     def branch_loss(self) -> Floats:

@@ -16,6 +16,7 @@ from viscorod.solve.transient.amplitude import (
     tolerance_now,
     usual_at,
 )
+from viscorod.solve.transient.integrators import loop_branches
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED
 from viscorod.solve.transient.integrators.kernel_results import (
     ATTEMPTED,
@@ -87,18 +88,28 @@ _attempt, _end, _extent = returning(ATTEMPTED, whole=False), returning(ENDED), r
 
 
 @exact_part
-def factorise(run: StepLoop, h: float) -> bool:
-    """Factorise the systems for a step of ``h`` [s]; return whether all went well."""
+def combine(run: StepLoop, h: float) -> None:
+    """Put the systems for a step of ``h`` [s] together."""
     task, systems, calls = run.model.task, run.systems, run.calls
     body, method, factors, frozen = task.body, task.method, task.factors, task.matrices
-    real, pairs = factors.real, factors.pairs
     matrices = (frozen.K, frozen.C, frozen.mass)
     where = (body.supports, frozen.directions, body.pattern, factors.scales)
-    places = (systems.slots, systems.kept, systems.targets)
     _do(calls.combine_real, (*matrices, method.real / h, *where, factors.real_rows, systems.real))
     for m in range(method.pairs.shape[0]):
         with_pair = (*where, factors.pair_rows[m], systems.pairs[m])
         _do(calls.combine_pair, (*matrices, method.pairs[m] / h, *with_pair))
+
+
+@exact_part
+def factorise(run: StepLoop, h: float) -> bool:
+    """Factorise the systems for a step of ``h`` [s]; return whether all went well."""
+    task, systems, calls = run.model.task, run.systems, run.calls
+    method, real, pairs = task.method, task.factors.real, task.factors.pairs
+    if calls.stiffen_real != 0:
+        loop_branches.combine(run, h)
+    else:
+        combine(run, h)
+    places = (systems.slots, systems.kept, systems.targets)
     given = (real.values, real.fronts, real.integers, real.groups, real.rest)
     if _factorise(calls.reduce_real, (systems.real, *places, *given)) != 0:
         return False
@@ -291,6 +302,8 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
     why = provide(run, end)
     if why != GOES_ON:
         return why, 0, 0.0, 0
+    if calls.begin_branches != 0:
+        loop_branches.begin(run, h)
     given = task.numbers
     given[H], given[TOLERATED] = h, limits[NEWTON]
     given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
@@ -367,6 +380,8 @@ def take_end(run: StepLoop, t: float) -> None:
     for field in range(3):
         copy(end.points[field], state.points[1, field])
     copy(end.reactions[last], state.reactions[1])
+    if run.calls.keep_branches != 0:
+        loop_branches.keep(run)
     clock[LAST_STEP], clock[T] = h, t
     if clock[RATE] > run.limits[STALE]:
         numbers[HAVE] = 0

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.transient.integrators.branch_systems import Stiffened
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
@@ -69,8 +71,16 @@ bounds; an exception in Python. Or it goes on, or an attempt is to be made again
 with a new one."""
 
 
+class LoopBranches(NamedTuple):
+    """What Maxwell branches remember, and the stiffness with them at real and at complex eigenvalues."""
+
+    memory: BranchMemory
+    real: Stiffened
+    pair: Stiffened
+
+
 class LoopModel(NamedTuple):
-    """One step, whose start is the present state; ``reading`` of its end, and ``gap`` as for the predictor.
+    """One step, whose start is the present state; ``reading`` of its end, and ``gap`` as for the predictor; branches.
 
     The step is a shared bundle (see ``mechanics.compilation.shared``), so that compiled code has a reference to it.
     """
@@ -78,6 +88,7 @@ class LoopModel(NamedTuple):
     task: Any
     reading: Reading
     gap: Floats
+    branches: LoopBranches
 
 
 class LoopLoads(NamedTuple):
@@ -166,6 +177,7 @@ class Batch(NamedTuple):
     Attributes:
         ends, lengths: of the steps [s]; iterations, limits, unknowns: of each (integers ``(3, steps)``).
         accounts: before the first and after every step: kinetic, elastic, viscous, external ``(steps + 1, 4)``.
+        lost: by each Maxwell branch, likewise ``(steps + 1, n)``; branches: of the states.
         instants, places: of the records [s], 0 to 1 in their steps, and 0.5; of_step: number of the step.
         states: of the records; in the last :data:`EXTRA_ROWS` rows first of the ends of some steps: the ``marks``,
             numbers of steps in ascending order; then of the steps that are tried again.
@@ -177,10 +189,12 @@ class Batch(NamedTuple):
     lengths: Floats
     notes: Integers
     accounts: Floats
+    lost: Floats
     instants: Floats
     places: Floats
     of_step: Integers
     states: Between
+    branches: BranchRows
     marks: Integers
     trials: Floats
 
@@ -194,7 +208,10 @@ class Backup(NamedTuple):
 
 
 class Addresses(NamedTuple):
-    """Where the kernels are, and Python functions; 0 where the loop knows the loads, or Python renews Jacobians."""
+    """Where the kernels are, and Python functions; 0 where the loop knows the loads, or Python renews Jacobians.
+
+    The last but two are of Maxwell branches, and 0 where there are none.
+    """
 
     step: int
     reduce_real: int
@@ -213,6 +230,12 @@ class Addresses(NamedTuple):
     add_loads: int
     add_inertia: int
     project: int
+    stiffen_real: int
+    stiffen_pair: int
+    begin_branches: int
+    keep_branches: int
+    read_branches: int
+    read_within: int
     renew: int
     prepare: int
 

@@ -7,6 +7,7 @@ import math
 from viscorod.mechanics.compilation.by_address import returning
 from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.transient.integrators import loop_branches
 from viscorod.solve.transient.integrators.kernel_results import NOTHING
 from viscorod.solve.transient.integrators.loop_attempts import row_of_trial
 from viscorod.solve.transient.integrators.loop_data import (
@@ -85,14 +86,24 @@ def record(run: StepLoop, t: float) -> None:
         read(run, end - t, places.shape[0] - 1, 1, row_of_trial(numbers, found) + MIDDLE)
     if within > 0:
         read(run, end - t, row, within, row)
+        if run.calls.read_within != 0:
+            loop_branches.within(run, row, within)
     if count > within:
         at = row + count - 1
-        keep(run, at)
+        keep_record(run, at)
         places[at] = 1.0
     numbers[ROWS] = row + count
     for m in range(MARKS):
         if marks[m] == numbers[STEPS] + 1:
-            keep(run, rows - EXTRA_ROWS + m)
+            keep_record(run, rows - EXTRA_ROWS + m)
+
+
+@exact_part
+def keep_record(run: StepLoop, at: int) -> None:
+    """Keep the present state in the row ``at``, with its branches."""
+    keep(run, at)
+    if run.calls.read_branches != 0:
+        loop_branches.read(run, at)
 
 
 @exact_part

@@ -80,7 +80,9 @@ class StageModel:
             StageConstraints(system.constraints, tableau) if problem.constrained else None
         )
         memory = system.relaxation
-        self.dashpots = None if memory is None else StageDashpots(memory, body, tableau)
+        self.dashpots = (
+            None if memory is None else StageDashpots(memory, body, tableau, system.gauss_indices())
+        )
         plan = problem.plan_without(supports.set.nodes[supports.complete])  # their poses are prescribed
         self.systems = StageSystems(body, system.matrix.scales, tableau, plan, self.dashpots)
         self.recorder = StepRecorder(

@@ -13,6 +13,7 @@ import math
 
 from viscorod.mechanics.compilation.compiled import exact_part, loop
 from viscorod.mechanics.compilation.references import refer
+from viscorod.solve.transient.integrators import loop_branches
 from viscorod.solve.transient.integrators.loop_attempts import attempt, follow, take_end
 from viscorod.solve.transient.integrators.loop_data import (
     AGAIN,
@@ -152,4 +153,5 @@ def account(run: StepLoop, end: float, h: float, count: int, unknown: int) -> bo
     accounts[steps + 1, 0], accounts[steps + 1, 1] = clock[KINETIC], clock[ELASTIC]
     accounts[steps + 1, 2] = accounts[steps, 2] + clock[LOSS]
     accounts[steps + 1, 3] = accounts[steps, 3] + clock[WORK]
+    loop_branches.add_losses(run)
     return True
