@@ -99,7 +99,9 @@ class Relaxing:
             gap = x - relaxed - (parts * (x * tau**2 / over)).sum(axis=0)
             slope = 1.0 - (parts * (tau / over) ** 2).sum(axis=0)
             down = np.where((gap > 0.0) & (slope > 0.0), gap / np.where(slope > 0.0, slope, 1.0), 0.0)
-            x = np.maximum(x - down, 1e-12 * x)
+            last, x = x, np.maximum(x - down, 1e-12 * x)
+            if np.array_equal(x, last):
+                break
         return x, 0.5 * (parts * (tau / (1.0 + x * tau**2))).sum(axis=0)
 
     def _storage(self, omega: float) -> Floats:
@@ -116,11 +118,11 @@ class Relaxing:
         strain = strain.reshape(k, *elements.reference.shape)
         inside = np.arange(strain.shape[2]) < elements.order[:, None]
         weights = np.where(inside, elements.weights[elements.order] * elements.half_lengths[:, None], 0.0)
-        found = [
-            np.einsum("eg,kega,egab,kegb->k", weights, strain, one[elements.section], strain, optimize=True)
-            for one in np.moveaxis(self._branches, 1, 0)
-        ]
-        return np.array(found).reshape(len(self.times), k)
+        found = np.empty((len(self.times), k))
+        for branch, one in zip(found, np.moveaxis(self._branches, 1, 0), strict=True):
+            force = (one[elements.section] @ strain[..., None])[..., 0]
+            branch[:] = np.einsum("eg,kega,kega->k", weights, strain, force)
+        return found
 
     def _stiffened(self, omega: float) -> Linearisation:
         """Return the small motions with the stiffness that branches have at ``omega`` [rad/s]."""
@@ -130,9 +132,9 @@ class Relaxing:
         modulus = np.einsum("j,sjab->sab", self._storage(omega), self._branches)
         add_section_stiffness(self._system.elements(), modulus, self._strain, matrix.blocks)
         added = sparse.csr_array(linear.basis.T @ matrix.sparse()[:size, :size] @ linear.basis)
-        # rigid motions of parts strain nothing
-        own = sparse.diags_array((np.arange(added.shape[0]) >= linear.parts).astype(float))
-        added = sparse.csr_array(own @ added @ own)
+        if linear.parts:  # rigid motions of parts strain nothing
+            own = sparse.diags_array((np.arange(added.shape[0]) >= linear.parts).astype(float))
+            added = sparse.csr_array(own @ added @ own)
         work = None if linear.work is None else linear.work.plus(added, 1.0)
         return replace(linear, stiffness=sparse.csr_array(linear.stiffness + added), work=work)
 
