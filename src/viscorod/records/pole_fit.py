@@ -10,18 +10,19 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
-from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import least_squares
 from scipy.stats import t as student
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
+from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
+from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
 from viscorod.records.response_record import ResponseRecord
 from viscorod.results.modal_fit_result import ModalFit
 from viscorod.results.resonances import resonances_of
+from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
 from viscorod.typing import Floats
 
 __all__ = ["modal_fit"]
@@ -30,28 +31,16 @@ STANDS_OUT = 4.0
 """Size of a peak over the median about it."""
 ABOUT = 0.15
 """Part of all frequencies, on each side, of which that median is."""
-LEAST, USUAL = 4, 8
-"""Bins on each side that take part at least, and where the peak is narrow."""
+USUAL = 8
+"""Bins on each side that take part where the peak is narrow."""
+VALLEY, VALLEY_NOISE = 1.2, 4.0
+"""Size of the lower of two peaks over the valley between at least, and standard deviations of noise beyond that."""
 WIDTHS = 3.0
 """Half-power widths on each side that take part where the peak is wide."""
-DEGREE = 2
-SURE = 3.0
-"""Standard deviations by which a ratio must differ from zero."""
-CONFIDENCE = 0.95
+HIGH = 0.6
+"""Part of a peak above which its lines are counted; 0.7 is half the power, and noise is on it."""
 DIFFER = 1.5
 """Birge's ratio from which on records are said to differ."""
-
-
-@dataclass(frozen=True)
-class _Pole:
-    """One pole found in one response: natural frequency [Hz], ratio, their deviations, and the misfit over the peak."""
-
-    frequency: float
-    ratio: float
-    frequency_deviation: float
-    ratio_deviation: float
-    misfit: float
-    freedom: int
 
 
 @described
@@ -64,8 +53,9 @@ def modal_fit(
     """Return the modes that measured frequency responses show, with 95 % intervals.
 
     Each response is fitted by itself about each peak; several are one weighted mean, whose interval is widened by
-    Birge's ratio where they differ by more than their own intervals. Half-power widths of less than two bins are
-    refused.
+    Birge's ratio where they differ by more than their own intervals. The noise may have a constant part and one in
+    proportion to the response, both as large as the lines show; of records that tell their noise, it is in proportion
+    to that. Half-power widths of less than two bins are refused.
 
     Args:
         records: responses of one structure over the same frequencies.
@@ -91,21 +81,22 @@ def modal_fit(
             )
     step = float(steps.mean())
     peaks = _peaks(hertz, listed, band)
-    modes = [found for k, gap in peaks if (found := _mode(hertz, listed, k, gap)) is not None]
-    if not modes:
+    modes = _modes(hertz, listed, peaks)
+    if not any(modes):
         raise InputError("no peak stands out of the response: give a band, or a response with finer bins")
-    return _result(hertz, listed, modes, step, title)
+    untold = [float(hertz[k]) for (k, _), found in zip(peaks, modes, strict=True) if not found]
+    return _result(hertz, listed, [found for found in modes if found], untold, step, title)
 
 
 def _peaks(
     hertz: Floats, records: list[ResponseRecord], band: tuple[float, float] | None
 ) -> list[tuple[int, int]]:
-    """Return the places of peaks, and the bins to the middle between each and the nearest other."""
+    """Return the places of peaks, and the lines to the middle between each and the nearest other."""
     scaled = [np.abs(one.values) / float(np.median(np.abs(one.values)) or 1.0) for one in records]
     size = np.sqrt(np.mean(np.square(scaled), axis=0))
     reach = max(int(ABOUT * len(size)), 3 * LEAST)
     low, high = (hertz[0], hertz[-1]) if band is None else band
-    found = []
+    found: list[int] = []
     for k in range(LEAST, len(size) - LEAST):
         near = size[max(k - LEAST, 0) : k + LEAST + 1]
         about = size[max(k - reach, 0) : k + reach + 1]
@@ -114,64 +105,50 @@ def _peaks(
             and size[k] == near.max()
             and size[k] > STANDS_OUT * float(np.median(about))
         ):
-            found.append(k)
+            found = _apart(size, found, k)
     ends = [0, *found, len(size) - 1]
     return [(k, max(min(k - ends[j], ends[j + 2] - k) // 2, LEAST)) for j, k in enumerate(found)]
 
 
-def _mode(hertz: Floats, records: list[ResponseRecord], k: int, gap: int) -> list[_Pole] | None:
-    """Return a mode in all responses that show it; None if none does."""
-    found = []
-    for one in records:
-        pole = _pole(hertz, one.values, k, min(USUAL, gap))
+def _apart(size: Floats, found: list[int], k: int) -> list[int]:
+    """Return the peaks with one more; of two without a valley between that noise does not make, only the higher one."""
+    while found:
+        between = np.log(np.maximum(size[found[-1] : k + 1], np.finfo(float).tiny))
+        noise = float(np.median(np.abs(np.diff(between, 2)))) * MEDIAN_TO_DEVIATION / np.sqrt(6.0)
+        if min(between[0], between[-1]) - between.min() > np.log(VALLEY) + VALLEY_NOISE * noise:
+            break
+        if size[found[-1]] >= size[k]:
+            return found
+        found = found[:-1]
+    return [*found, k]
+
+
+def _modes(hertz: Floats, records: list[ResponseRecord], peaks: list[tuple[int, int]]) -> list[list[Pole]]:
+    """Return for every peak the poles of the responses that show it."""
+    fits: list[tuple[int, Peak]] = []
+    for place, (k, gap) in enumerate(peaks):
+        for one in records:
+            seen = max(int(WIDTHS * _lines_above(np.abs(one.values), k)), USUAL)
+            rough = rough_pole(hertz, one.values, k, min(seen, gap))
+            if rough is not None:
+                wide = int(WIDTHS * half_power_width(*rough) / (hertz[1] - hertz[0]))
+                noise = None if one.noise is None else one.noise[: len(hertz)]
+                fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), noise)
+                if fit is not None:
+                    fits.append((place, fit))
+    poles = poles_of([fit for _, fit in fits])
+    found: list[list[Pole]] = [[] for _ in peaks]
+    for (place, _), pole in zip(fits, poles, strict=True):
         if pole is not None:
-            wide = int(WIDTHS * half_power_width(pole.frequency, pole.ratio) / (hertz[1] - hertz[0]))
-            if wide > USUAL:
-                pole = _pole(hertz, one.values, k, min(wide, gap))
-        if pole is not None:
-            found.append(pole)
-    return found or None
+            found[place].append(pole)
+    return found
 
 
-def _pole(hertz: Floats, response: np.ndarray, k: int, reach: int) -> _Pole | None:
-    """Return the pole about a peak from the bins within reach; None where there is none."""
-    inside = np.arange(max(k - reach, 0), min(k + reach + 1, len(hertz)))
-    if len(inside) < 2 * LEAST:
-        return None
-    step = float(hertz[1] - hertz[0])
-    x = (hertz[inside] - hertz[k]) / step
-    y = response[inside]
-    scale = float(np.abs(y).max())
-    powers = (x / reach)[:, None] ** np.arange(DEGREE + 1)
-
-    def basis(theta: Floats) -> np.ndarray:
-        return np.column_stack([1.0 / (1j * (x - theta[1]) + np.exp(theta[0])), powers])
-
-    def misfit(theta: Floats) -> Floats:
-        columns = basis(theta)
-        off = columns @ np.linalg.lstsq(columns, y, rcond=None)[0] - y
-        return np.concatenate([off.real, off.imag]) / scale
-
-    best = None
-    width = max(step, 1e-3 * reach * step) / step
-    for start in (0.05 * width, 0.2 * reach):
-        for shift in (-0.3, 0.3):
-            fit = least_squares(misfit, [np.log(start), shift], x_scale=[0.3, 0.1], max_nfev=200)
-            if best is None or fit.cost < best.cost:
-                best = fit
-    assert best is not None
-    decay, centre = float(np.exp(best.x[0])) * step, float(hertz[k] + best.x[1] * step)
-    freedom = 2 * len(inside) - 2 - 2 * (DEGREE + 2)
-    if abs(best.x[1]) > 1.5 or decay <= 0.0 or freedom < 1:
-        return None
-    noise = float(np.sqrt(2.0 * best.cost / freedom))
-    spread = np.linalg.pinv(best.jac.T @ best.jac) * noise**2
-    frequency = float(np.hypot(centre, decay))
-    ratio = decay / frequency
-    deviations = np.sqrt(np.maximum(np.diag(spread), 0.0))
-    if ratio < SURE * ratio * deviations[0]:
-        return None
-    return _Pole(frequency, ratio, float(deviations[1]) * step, ratio * float(deviations[0]), noise, freedom)
+def _lines_above(size: Floats, k: int) -> int:
+    """Return the number of lines about a peak that are above `HIGH` of it."""
+    low = np.flatnonzero(size < HIGH * size[k])
+    place = int(np.searchsorted(low, k))
+    return int((low[place] if place < len(low) else len(size)) - (low[place - 1] if place else -1)) - 1
 
 
 def _together(values: Floats, widths: Floats) -> tuple[float, float, float]:
@@ -187,21 +164,32 @@ def _together(values: Floats, widths: Floats) -> tuple[float, float, float]:
 
 
 def _result(
-    hertz: Floats, records: list[ResponseRecord], modes: list[list[_Pole]], step: float, title: str
+    hertz: Floats,
+    records: list[ResponseRecord],
+    modes: list[list[Pole]],
+    untold: list[float],
+    step: float,
+    title: str,
 ) -> ModalFit:
     import xarray as xr
 
-    doubts, half_power, rows = [], [], []
+    half_power, rows = [], []
+    doubts = [
+        f"a peak stands at {one:.5g} Hz, whose ratio is not told from zero: it is left out" for one in untold
+    ]
     for found in modes:
-        quantile = [float(student.ppf(0.5 + 0.5 * CONFIDENCE, one.freedom)) for one in found]
         ratios = np.array([one.ratio for one in found])
         frequency, frequency_width, _ = _together(
             np.array([one.frequency for one in found]),
-            np.array([q * one.frequency_deviation for q, one in zip(quantile, found, strict=True)]),
+            np.array([one.frequency_width for one in found]),
         )
-        ratio, ratio_width, birge = _together(
-            ratios, np.array([q * one.ratio_deviation for q, one in zip(quantile, found, strict=True)])
-        )
+        ratio, ratio_width, birge = _together(ratios, np.array([one.ratio_width for one in found]))
+        if ratio_width >= ratio:
+            doubts.append(
+                f"a peak stands at {frequency:.5g} Hz, whose ratio of {ratio:.3g} ± {ratio_width:.2g} is not told from "
+                "zero: it is left out"
+            )
+            continue
         rows.append((frequency, frequency_width, ratio, ratio_width))
         if birge > DIFFER:
             doubts.append(
@@ -221,7 +209,7 @@ def _result(
             f"half-power: refused at {', '.join(f'{one:.4g}' for one in narrow)} Hz, where the width has less than "
             f"{BINS:g} bins of {step:.3g} Hz and would be that of the bins"
         )
-    columns = np.array(rows).T
+    columns = np.array(rows).reshape(-1, 4).T
     responses = np.array([one.values for one in records])
     return ModalFit(
         xr.Dataset(

@@ -6,17 +6,22 @@ from collections.abc import Mapping, Sequence
 from typing import Any, ClassVar
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.columns import si_size
+from viscorod.records.columns import Columns, si_size
 from viscorod.records.other_files import columns_of
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
 __all__ = ["ResponseRecord"]
 
+LEAST_INCOHERENT = 1e-8
+"""What a coherence that is written as 1 may lack."""
+SCATTER = 40.0
+"""Degrees of freedom of a noise by coherences at least: with few averages, of several neighbouring lines together."""
 DEGREE = float(np.pi / 180.0)
 
 
@@ -25,6 +30,11 @@ def _angle(unit: str | None) -> float | None:
     return {"deg": DEGREE, "degree": DEGREE, "degrees": DEGREE, "°": DEGREE, "rad": 1.0, "radians": 1.0}.get(
         (unit or "").strip().casefold()
     )
+
+
+def _plain(columns: Columns, column: str | int) -> str | None:
+    """Return the unit of a plain number, unless the source gives one."""
+    return "1" if columns.units[columns.number("coherence", column)] is None else None
 
 
 def _complex(where: str, values: Any) -> np.ndarray:
@@ -38,6 +48,27 @@ def _complex(where: str, values: Any) -> np.ndarray:
     return given
 
 
+def _noise_of(where: str, size: Floats, coherence: Any, averages: int | None) -> Floats:
+    """Return the noise of a mean of responses of these sizes (n,)."""
+    if coherence is None or averages is None:
+        key = "averages" if averages is None else "coherence"
+        raise InputError(
+            Fault(f"{where}: {key}", "", "the noise needs coherence and averages", "give both, or neither")
+        )
+    if isinstance(averages, bool) or not isinstance(averages, int) or averages < 2:
+        why = "a coherence is that of two records or more"
+        raise InputError(Fault(f"{where}: averages", repr(averages), why, "give a whole number such as 8"))
+    told = finite(f"{where}: coherence", coherence)
+    if told.shape != size.shape or not ((told > 0.0) & (told <= 1.0)).all():
+        why = f"{len(size)} numbers above 0, 1 at most, are needed"
+        raise InputError(Fault(f"{where}: coherence", "", why, "take lines without coherence out"))
+    told = np.minimum(told, 1.0 - LEAST_INCOHERENT)
+    relative = np.log((1.0 - told) / (2.0 * averages * told))
+    aside = min(int(np.ceil(SCATTER / (4 * (averages - 1)))) - 1, len(size) // 8)
+    smooth = uniform_filter1d(relative, 2 * aside + 1, mode="nearest")
+    return np.asarray(size * np.exp(0.5 * smooth))
+
+
 class ResponseRecord(AnyRecord):
     """A frequency response that was measured: output over input, complex, exp(i omega t).
 
@@ -46,6 +77,9 @@ class ResponseRecord(AnyRecord):
         values: complex, SI units of output over input (n,).
         output, source: words or numbers of the output and the input of the model's response.
         noise: standard deviation of real and imaginary part, one number or (n,); None where it is not known.
+        coherence: from 0 to 1 (n,), and averages: of how many records the response is the mean; together they tell the
+            noise, ``|H| sqrt((1 - coherence)/(2 averages coherence))`` (J. S. Bendat and A. G. Piersol, Random Data,
+            section 9.2.4). Of few averages it is the mean of neighbouring lines.
         unknown: "gain", "delay" (s, by which the output comes late).
         name: of the record.
 
@@ -68,6 +102,8 @@ class ResponseRecord(AnyRecord):
         output: str | int = 0,
         source: str | int = 0,
         noise: Any = None,
+        coherence: Any = None,
+        averages: int | None = None,
         unknown: Sequence[str | Unknown] = (),
         name: str = "response",
     ) -> None:
@@ -89,6 +125,12 @@ class ResponseRecord(AnyRecord):
                 Fault(f"{where}: frequencies", "", "a frequency is negative", "give the positive ones")
             )
         self.output, self.source = output, source
+        if coherence is not None or averages is not None:
+            if noise is not None:
+                raise InputError(
+                    Fault(f"{where}: noise", "", "the coherence tells the noise", "give one of them")
+                )
+            noise = _noise_of(where, np.abs(given), coherence, averages)
         one = deviations(f"{where}: noise", noise, self.frequencies.shape)
         self.noise = None if one is None else np.concatenate([one, one])
         step = float(np.min(np.diff(self.frequencies))) if len(self.frequencies) > 1 else 1.0
@@ -105,6 +147,7 @@ class ResponseRecord(AnyRecord):
         frequency: str | int = 1,
         unit: str | None = None,
         frequency_unit: str | None = None,
+        coherence: str | int | None = None,
         **more: Any,
     ) -> ResponseRecord:
         """Return a response from columns of a file, or of an object of xarray or pandas; see `Record.read`.
@@ -116,6 +159,7 @@ class ResponseRecord(AnyRecord):
             frequency: column of the frequencies, by name or number from 1.
             unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say.
             frequency_unit: where the source does not say.
+            coherence: column of the coherence; it needs `averages`.
             more: all else that a `ResponseRecord` has.
 
         Raises:
@@ -159,6 +203,8 @@ class ResponseRecord(AnyRecord):
             values = magnitude * np.exp(1j * turn * numbers[1].real)
         else:
             values = numbers[0] + (1j * numbers[1] if len(places) > 1 else 0.0)
+        if coherence is not None:
+            more["coherence"] = columns.si("coherence", coherence, "1", _plain(columns, coherence))
         return cls(columns.si("frequency", frequency, "Hz", frequency_unit), size * values, **more)
 
     @property
