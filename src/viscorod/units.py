@@ -35,7 +35,7 @@ _QUANTITY = re.compile(r"\s*([+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?
 _LONGEST_UNIT = 60
 # names, exponents of one digit, and marks: what Pint is given cannot ask it to compute powers of powers
 _TOKEN = re.compile(
-    r"\s*(?:([^\W\d]+[²³]?|°|%)(?:\s*(?:\^|\*\*)\s*(-?\d)(?!\d|\s*[\^*.])|(\d)(?!\d))?|([*/()·])|(1)(?=\s*/))"
+    r"\s*(?:([^\W\d]+[²³]?|°|%)(?:\s*(?:\^|\*\*)\s*(-?\d)(?!\d|\s*[\^*.])|(-?\d)(?!\d))?|([*/()·])|(1)(?=\s*/))"
 )
 
 _TOGETHER = re.compile(r"([kMGmunµμ]?N|kg)(?=(?:mm|cm|m|s|ms)(?![^\W\d²³]))")
@@ -43,6 +43,28 @@ _TOGETHER = re.compile(r"([kMGmunµμ]?N|kg)(?=(?:mm|cm|m|s|ms)(?![^\W\d²³]))"
 count of a yarn."""
 _JOINED = re.compile(r"(?<=[^\W\d])[-.](?=[^\W\d])")
 """A hyphen or a point between two names, for a product: N-m, kN.m."""
+
+_ONLY_HERE = {
+    **dict.fromkeys((("m/s^2", word) for word in ("g", "g0", "g_0", "gn", "g_n")), "standard_gravity"),
+    ("m", "mil"): "thou",
+    ("m", "mils"): "thou",
+}
+"""Words that mean something else where a quantity of this kind is needed: grams and angles elsewhere."""
+_MORE_UNITS = (
+    "rev = turn",
+    "mil = turn / 6400",
+    "U = turn",
+    "cpm = 1 / minute",
+    "Msi = 1e6 * psi",
+    "psf = pound_force / foot ** 2",
+    "pcf = pound / foot ** 3",
+    "plf = pound_force / foot",
+    "pli = pound_force / inch",
+    "kp = kilogram_force",
+)
+"""What engineers write and Pint has no word, or another meaning, for."""
+_WEIGHED = {"lb": "lbf", "lbs": "lbf", "kg": "kgf", "oz": "ozf"}
+"""Masses that are written for the forces that weigh them."""
 
 NAMES = {
     "m": "length",
@@ -130,11 +152,13 @@ def si_value(text: str, unit: str, key: str) -> float:
         )
     if unit == "1":
         raise RefusedError(f"{key} has no unit", "give a plain number, without quotes")
-    factor, dimension = _factor(given)
+    factor, dimension = _factor(_ONLY_HERE.get((unit, given), given))
     wanted = _factor(unit)[1]
     turns = _turns(dimension, wanted)
     if turns is None:
-        instead = "give rad/s, deg/s or turn/s" if _core(dimension) == _core(wanted) else _advice(unit)
+        instead = _weighed(number, given, wanted) or _advice(unit)
+        if _core(dimension) == _core(wanted):
+            instead = "give rad/s, deg/s, turn/s or rpm"
         raise RefusedError(f"this is {_noun(dimension)}, {key} needs {_noun(wanted)}", instead)
     exact = Fraction(number) * factor
     try:
@@ -144,6 +168,15 @@ def si_value(text: str, unit: str, key: str) -> float:
     if value == 0.0 and exact != 0:
         raise RefusedError("smaller than any quantity", _advice(unit))
     return value
+
+
+def _weighed(number: str, given: str, wanted: Dimension) -> str:
+    """Return what to write if a unit of mass was given for one of force, else nothing."""
+    for mass, force in _WEIGHED.items():
+        other = re.sub(rf"(?<![^\W\d_]){mass}(?![^\W\d_])", force, given)
+        if other != given and _turns(_factor(other)[1], wanted) is not None:
+            return f"{mass} is a mass; for its weight, a force, give {number} {other}"
+    return ""
 
 
 def is_quantity(value: Any) -> bool:
@@ -308,7 +341,9 @@ def _plain(unit: str) -> str:
     """Write a unit in the words of Pint, if it is one of names, powers, products and quotients."""
     words: list[str] = []
     at = 0
-    unit = _JOINED.sub(" ", re.sub(r"°\s*([CF])\b", r"deg\1", unit))
+    unit = _JOINED.sub(" ", re.sub(r"°\s*([CF])\b", r"deg\1", unit)).removesuffix(".")
+    if unit.startswith("/"):
+        unit = f"1{unit}"
     if len(unit) > _LONGEST_UNIT:
         raise RefusedError("longer than any unit", "write units as in 10 mm, 2 N/m^2")
     divided = False
@@ -369,4 +404,7 @@ def _registry() -> UnitRegistry[Any]:
     """Return the units, with exact factors; made when the first quantity is read."""
     import pint
 
-    return pint.UnitRegistry(non_int_type=Fraction)
+    registry: UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, on_redefinition="ignore")
+    for definition in _MORE_UNITS:
+        registry.define(definition)
+    return registry

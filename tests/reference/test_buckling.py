@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 from scipy.optimize import brentq
@@ -176,6 +178,27 @@ def test_a_strip_that_bends_before_it_buckles_sideways():
     assert found.load_factors == pytest.approx([4.0125993], rel=0.02)
 
 
+def test_a_strip_that_bends_much_before_it_buckles_beyond_twice_the_linear_load():
+    """Nearly as stiff both ways, it sags before it leaves its plane; an inertia count says where stiffness is lost."""
+
+    def strip():
+        section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 1.6, 1.0], INERTIA)
+        model = vr.Model()
+        model.add("strip", vr.Rod.straight((0, 0, 0), (1, 0, 0), d1=(0, 0, 1), section=section))
+        model.clamp("strip.start")
+        model.support("strip.end", ("uy", "uz", "rx", "rz"))
+        model.force("strip@0.5", (0, 0, -1.0))
+        return model
+
+    found = strip().buckling(count=1)
+    (critical,) = found.load_factors
+    assert critical > 2.0 * found.linear[0]
+    assert np.abs(found.shapes[0, :, 1]).max() == 1.0
+    for part, count in ((0.999, 0), (1.001, 1)):
+        near = strip().equilibrium(load_factor=part * critical, search=False)
+        assert near.negative_eigenvalues == count
+
+
 def test_springs_under_load_count():
     """A stiff bar on a ball, on two springs k at 45 degrees: k = P (k/2 + EA/L)/(k + EA/L)."""
     k, axial = 1000.0, 1e4
@@ -199,7 +222,22 @@ def test_fewer_than_asked_for_are_told():
     found = model.buckling(count=2)
     assert found.load_factors.size == found.linear.size == 0
     assert not found.complete
-    assert "followed to the load factor 2 and keep their stiffness up to there" in flat(found.report())
+    text = flat(found.report())
+    assert "followed to the load factor 2 and keep their stiffness up to there" in text
+    assert "oscillations may grow" in text
+    assert "model.stability" in text
+
+
+def test_flutter_before_any_loss_of_stiffness_is_told():
+    """Beck's column (1952) flutters at 20.051 EI/L^2; here loads grow to 2 x 12 EI/L^2."""
+    model = vr.Model()
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1.0, 5.0, 1.0], [1, 1, 1, 1e-7, 1e-7, 2e-7])
+    model.add("column", vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section))
+    model.clamp("column.start")
+    model.force("column.end", (0, 0, -12.0), following=True)
+    (told,) = model.buckling(count=1).warnings
+    factor = re.search(r"oscillations grow from the load factor ([\d.]+) on", told)
+    assert 12.0 * float(factor[1]) == pytest.approx(20.051, rel=1e-3)
 
 
 def test_refusals():

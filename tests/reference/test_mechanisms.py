@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from scipy.linalg import eigh
 
 import viscorod as vr
 
@@ -35,6 +36,24 @@ def rows_at(run, times):
 
 def columns(rows, name, keys="xyz"):
     return np.column_stack([rows[f"{name}_{k}"] for k in keys])
+
+
+def test_a_bar_that_is_no_rod_hangs_below_one_that_is():
+    """Two uniform bars of length 1 and mass 1 on hinges: ``M = [[4/3, 1/2], [1/2, 1/3]]``, ``K = g [3/2, 1/2]``.
+
+    The upper one is a rod that keeps its shape, as the message advises that refuses a model of bodies alone.
+    """
+    section = vr.StiffnessSection(np.ones(6), [1.0, 1.0, 1.0, 1e-12, 1e-12, 2e-12])
+    model = vr.Model()
+    held = ("kirchhoff", "bend_1", "bend_2", "twist")
+    model.add("upper", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section, constraints=held))
+    bar = vr.Body(1.0, (1 / 12, 1 / 12, 1e-12), centre=(0, 0, -1.5), points={"top": (0, 0, -1)})
+    model.add("lower", bar)
+    model.revolute("upper.start", "ground", axis=(0, 1, 0))
+    model.revolute("lower.top", "upper.end", axis=(0, 1, 0))
+    model.gravity((0, 0, -9.81))
+    squares = eigh(9.81 * np.diag([1.5, 0.5]), [[4 / 3, 1 / 2], [1 / 2, 1 / 3]], eigvals_only=True)
+    assert model.modes(2).frequencies == pytest.approx(np.sqrt(squares) / (2.0 * np.pi), rel=1e-8)
 
 
 @pytest.mark.parametrize("kind", ["constrained", "stiff"])

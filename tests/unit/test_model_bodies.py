@@ -196,7 +196,7 @@ def test_names_are_shared_by_rods_and_bodies(model):
 def test_a_model_of_bodies_only():
     model = ModelDescription()
     model.add("plate", Body(1.0, (1, 1, 1)))
-    only_problem(model, "rods", "no rod")
+    only_problem(model, "rods", "rigid bodies only", "make one of the bars a rod", '("kirchhoff", "bend_1"')
 
 
 def test_loads_supports_and_velocities_of_bodies(model):

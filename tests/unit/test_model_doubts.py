@@ -3,8 +3,11 @@
 Right values are closed forms: small deflections of cantilevers.
 """
 
+import re
+
 import numpy as np
 import pytest
+import scipy.optimize
 
 import viscorod as vr
 
@@ -191,3 +194,74 @@ def test_springs_that_push_are_told():
         "bushing bar.end - ground: a stiffness of -5 along uz pushes away from rest what leaves it; springs that pull "
         "back have positive numbers"
     ]
+
+
+def brace(height=0.0):
+    """Return two diagonals of a rectangle, 0.8 by 0.6 m, and a post that ends in the middle of the first."""
+    model = vr.Model()
+    model.add("up", straight((0, 0, 0), (0.8, 0.6, 0)))
+    model.add("down", straight((0, 0.6, height), (0.8, 0.0, height)))
+    arc = vr.Rod.arc((0.2, 0.0, 0), (0, 1, 0), (1, 0, 0), 2.0, 0.3, section=WIRE, material=STEEL)
+    model.add("bow", arc)
+    for name in ("up", "down", "bow"):
+        model.clamp(f"{name}.start")
+        model.clamp(f"{name}.end")
+    return model
+
+
+def crossings(model):
+    return [text for text in model.check().warnings if "pass through each other" in text]
+
+
+def test_rods_that_cross_without_a_joint_are_told():
+    """The diagonals cross in their middles; the bow, x = 2.2 - 2 cos a and y = 2 sin a, the first where y = 0.75 x."""
+    (text,) = crossings(brace())
+    assert "up@0.5 and down@0.5 (at (0.4, 0.3, 0) m)" in text
+    a = scipy.optimize.brentq(lambda a: 2.0 * np.sin(a) - 0.75 * (2.2 - 2.0 * np.cos(a)), 0.0, 0.3)
+    place = re.search(r"up@([\d.]+) and bow@([\d.]+)", text)
+    assert float(place[1]) == pytest.approx(2.0 * np.sin(a) / 0.6, abs=1e-5)
+    assert float(place[2]) == pytest.approx(2.0 * a, abs=1e-5)
+    assert any("up@0.5 and down@0.5" in warning for warning in brace().equilibrium().warnings)
+
+
+def test_rods_that_are_joined_where_they_cross_or_pass_beside_each_other_are_not_doubted():
+    model = brace()
+    model.revolute("up@0.5", "down@0.5", axis=(0, 0, 1))
+    (text,) = crossings(model)
+    assert "down@0.5" not in text
+    assert "up@0.5 and down@0.5" not in "".join(crossings(brace(height=0.01)))
+
+
+def test_a_rod_that_ends_on_another_one_is_told():
+    model = vr.Model()
+    model.add("beam", straight((0, 0, 0), (0.5, 0, 0)))
+    model.add("post", straight((0.2, 0, 0), (0.2, 0.5, 0)))
+    model.clamp("beam.start")
+    model.gravity()
+    with pytest.raises(vr.InputError, match=r"beam@0.2 and post.start \(at \(0.2, 0, 0\) m\) cross"):
+        model.equilibrium()
+    model.rigid("post.start", "beam@0.2")
+    assert not crossings(model)
+
+
+def test_rods_that_lie_along_each_other_are_not_doubted():
+    """A core in a tube, which supports hold there."""
+    model = vr.Model()
+    for name, start in (("tube", 0.0), ("core", 0.1)):
+        model.add(name, straight((start, 0, 0), (start + 0.5, 0, 0)))
+        model.clamp(f"{name}.start")
+    assert not crossings(model)
+
+
+@pytest.mark.parametrize(("d1", "angle"), [((0.0, 0.0, 1.0), None), ((0.05, 0, 1), None), ((1, 0, 1), 45)])
+def test_section_axes_far_from_the_plane_across_are_told(d1, angle):
+    """The first axis of the sections is the part of d1 across the rod; the angle is 45 degrees for (1, 0, 1)."""
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (0.5, 0, 0), d1=d1, section=WIRE, material=STEEL)
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    told = [text for text in model.check().warnings if "d1" in text]
+    assert bool(told) == (angle is not None)
+    if angle:
+        assert f"is {angle} degrees off" in told[0]
+        assert "(0, 0, 1)" in told[0]

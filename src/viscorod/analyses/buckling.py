@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 
 import numpy as np
 
@@ -59,7 +59,8 @@ def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
         return _found(discrete, settings, about, linear, points)
     points, course = search.exact(settings.count, linear, discrete.options.progress)
     if course.outcome in (Outcome.COMPLETED, Outcome.POINTS):
-        return _found(discrete, settings, about, linear, points, reached=search.reached)
+        told = list(_growing(search, points, settings.count))
+        return _found(discrete, settings, about, linear, points, reached=search.reached, told=told)
     reached = f"{points[-1].factor:.6g}" if points else "the beginning"
     why = course.reason or course.outcome.value
     stopped = course.outcome is Outcome.INTERRUPTED
@@ -89,8 +90,14 @@ def _found(
     points: list[CriticalPoint],
     outcome: str = "completed",
     reached: float | None = None,
+    told: Sequence[str] = (),
 ) -> Buckling:
-    """Return the result; ``about`` is the state of the linear problem, ``reached`` how far equilibria were followed."""
+    """Return the result.
+
+    Args:
+        discrete, settings: of the analysis; about: state of the linear problem; linear: its factors; points: found.
+        outcome: how it ended; reached: how far equilibria were followed; told: warnings.
+    """
     problem = discrete.problem
     reader = StationReader(problem)
     shapes, rotations, positions, factors, limits = [], [], [], [], []
@@ -112,7 +119,7 @@ def _found(
         "buckling_complete": int(len(factors) >= settings.count),
     }
     if settings.exact:
-        attributes["warnings"] = json.dumps(list(_strained(discrete, points)))
+        attributes["warnings"] = json.dumps([*told, *_strained(discrete, points)])
     if reached is not None:
         attributes["buckling_reached"] = reached
     data = discrete.data_set(Buckling.kind, history, attributes)()
@@ -128,6 +135,24 @@ def _found(
             linear_load=("linear", np.asarray(linear, dtype=float)),
         )
     )
+
+
+def _growing(search: CriticalSearch, points: list[CriticalPoint], count: int) -> Iterator[str]:
+    """Yield that loads without a potential make oscillations grow before stiffness is lost, or may do so."""
+    if not search.by_motion:
+        return
+    first = min(search.flutter, key=lambda factor: abs(factor - search.about), default=None)
+    if first is not None and all(abs(first - search.about) <= abs(p.factor - search.about) for p in points):
+        yield (
+            f"the loads have no potential, and oscillations grow from the load factor {first:.4g} on, before any "
+            "stiffness is lost: `model.stability` finds where they begin, with the damping of the material"
+        )
+    elif sum(point.increments.shape[1] for point in points) < count:
+        yield (
+            "the loads have no potential (they follow the sections, or are moments about fixed axes): oscillations "
+            "may grow, beyond what was looked at, without any loss of stiffness; `model.stability` finds where they "
+            "begin"
+        )
 
 
 def _strained(discrete: DiscreteModel, points: list[CriticalPoint]) -> Iterator[str]:

@@ -14,8 +14,9 @@ import numpy as np
 
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
-from viscorod.analyses.model_doubts import loose_ends, model_doubts
+from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.provenance import material_record, provenance, section_record
+from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
 from viscorod.mechanics.elements import geometric_element as geometric
@@ -272,7 +273,7 @@ class DiscreteModel:
         if searching and acting and not any(motion.translation for motion in loose):
             return loose
         if loose:
-            raise unheld(loose, "; ".join(loose_ends(self.problem)))
+            raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)))
         return []
 
     def place(self, name: str) -> ResultPlace:

@@ -1,13 +1,14 @@
-"""What is allowed in a model but hardly meant, told with every result: equal loads, ends that meet."""
+"""What is allowed in a model but hardly meant, told with every result: equal loads, rods that meet unjoined."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Mapping
 
 import numpy as np
 
 from viscorod.analyses.doubtful_numbers import doubtful_numbers
-from viscorod.mechanics.rotations.quaternion import matrices
+from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.model.actions.load import Gravity
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.description.model_description import ModelDescription
@@ -15,9 +16,8 @@ from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.model.rod_checks import reaching_centre
 from viscorod.solve.problem.problem import Problem
-from viscorod.typing import Floats, Integers
 
-__all__ = ["loose_ends", "model_doubts"]
+__all__ = ["model_doubts"]
 
 EARTHLY = 2e-3
 """How far the acceleration of gravity differs on Earth from 9.81 m/s^2, as a part of it, as it is rounded in use."""
@@ -25,8 +25,8 @@ RECORD = 20
 """Rows from which on a table of time is a record; shorter ones are ramps, which end where they are to stay."""
 HELD = 1e-3
 """Part of the largest value of a table beyond which one that is kept matters."""
-TOGETHER = 1e-4
-"""Distance of two ends over the length of the shorter rod up to which they are at the same place."""
+ASKEW = math.radians(5.0)
+"""Angle between a given first axis of sections and the plane across the rod beyond which it is told."""
 
 
 def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.0) -> list[str]:
@@ -43,7 +43,7 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
         *shapes,
         *_loads(model),
         *_pushing(model),
-        *loose_ends(problem),
+        *unjoined_rods(model, problem),
         *tables,
     ]
 
@@ -62,7 +62,8 @@ def _pushing(model: ModelDescription) -> Iterator[str]:
 
 
 def _no_rod(name: str, rod: Rod) -> Iterator[str]:
-    """Yield whether a rod is thicker than long, or reaches past the centre of curvature of its reference shape."""
+    """Yield whether a rod is thicker than long, reaches past its centre of curvature, or has axes along it."""
+    yield from _askew(name, rod)
     half = rod.section_at(0.0).half_width or 0.0
     if half > rod.length:
         yield (
@@ -76,6 +77,21 @@ def _no_rod(name: str, rod: Rod) -> Iterator[str]:
             f"rod {name}: at s = {s:.4g} m its section reaches past the centre of curvature of the reference shape, "
             f"{radius:.4g} m away: parts of it would lie within each other, which no body does, and the rod is "
             "computed as if it were slender; make the section thinner or the radius larger (lengths are in m)"
+        )
+
+
+def _askew(name: str, rod: Rod) -> Iterator[str]:
+    """Yield how far a given first axis of the sections is from the plane across the rod, into which it is turned."""
+    if rod.d1 is None:
+        return
+    given = np.asarray(rod.d1, dtype=float)
+    tangent = rod.centreline.bishop(np.zeros(1))[1][0][:, 2]
+    angle = math.asin(min(1.0, abs(float(given @ tangent)) / float(np.linalg.norm(given))))
+    if angle > ASKEW:
+        used = ", ".join(f"{x:.4g}" for x in rod.centreline.frames([0.0], rod.d1)[1][0][:, 0].round(9) + 0.0)
+        yield (
+            f"rod {name}: d1 = ({', '.join(f'{x:.4g}' for x in given)}) is {math.degrees(angle):.3g} degrees off the "
+            f"plane across the rod at its start; the part of it in that plane is used, ({used})"
         )
 
 
@@ -139,58 +155,3 @@ def _uncovered(where: str, table: TimeTable, duration: float) -> Iterator[str]:
             f"{where}: the table ends at {last:.6g} s, and its last value, {ended:.4g}, is kept up to the end of the "
             f"motion at {duration:.6g} s; let it end with 0, or give a shorter duration, if that is not meant"
         )
-
-
-def loose_ends(problem: Problem) -> Iterator[str]:
-    """Yield which ends of rods are at the same place without being joined there."""
-    if len(problem.rods) < 2:
-        return
-    nodes, positions, lengths = _ends(problem)
-    pairs = _near(positions, TOGETHER * lengths)
-    if not len(pairs):
-        return
-    part = _joined(problem)[nodes]
-    loose = {tuple(sorted(part[pair].tolist())): pair for pair in pairs if part[pair[0]] != part[pair[1]]}
-    if loose:
-        names = [f"{rod}.{end}" for rod in problem.rods for end in ("start", "end")]
-        couples = some_of([f"{names[a]} and {names[b]}" for a, b in loose.values()])
-        yield (
-            f"{couples} are at the same place, and nothing joins them there: they move apart; attach them (rigid), or "
-            "give a joint or a support, if they belong together"
-        )
-
-
-def _ends(problem: Problem) -> tuple[Integers, Floats, Floats]:
-    """Return node, position [m] and length of the rod [m] of the start and end of every rod, one after the other."""
-    stations = problem.stations
-    first = np.searchsorted(stations.rod, np.arange(len(problem.rods)))
-    last = np.append(first[1:], len(stations.rod)) - 1
-    at = np.column_stack([first, last]).ravel()
-    nodes, links = stations.nodes[at], stations.links[at]
-    positions = problem.positions[nodes].copy()
-    away = links >= 0
-    turn = matrices(problem.quaternions[nodes[away]])
-    positions[away] += np.einsum("kij,kj->ki", turn, problem.link_positions[links[away]])
-    return nodes, positions, np.repeat(problem.rod_lengths, 2)
-
-
-def _near(positions: Floats, reach: Floats) -> Integers:
-    """Return pairs of places (m, 2), a < b, no farther from each other than the reach of both."""
-    from scipy.spatial import KDTree
-
-    pairs = KDTree(positions).query_pairs(float(reach.max()), output_type="ndarray")
-    distance = np.linalg.norm(positions[pairs[:, 0]] - positions[pairs[:, 1]], axis=1)
-    return np.asarray(pairs[distance <= reach[pairs].min(axis=1)], dtype=np.int64)
-
-
-def _joined(problem: Problem) -> Integers:
-    """Return a number of every node; nodes that joints, springs or supports at the ground connect have the same."""
-    from scipy.sparse import coo_array
-    from scipy.sparse.csgraph import connected_components
-
-    ground = problem.size
-    links = np.where(problem.joints.arrays.nodes < 0, ground, problem.joints.arrays.nodes)
-    held = problem.supports.nodes
-    a, b = np.append(links[:, 0], held), np.append(links[:, 1], np.full(len(held), ground))
-    graph = coo_array((np.ones(len(a)), (a, b)), shape=(ground + 1, ground + 1))
-    return np.asarray(connected_components(graph, directed=False)[1])

@@ -11,13 +11,11 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
-from viscorod.mechanics.rotations.quaternion import conjugate, product, rotation_vector
-from viscorod.results.result import Result
+from viscorod.results.last_state import LastState
 from viscorod.shown import counted, span
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
-    import xarray as xr
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
@@ -26,7 +24,7 @@ __all__ = ["Equilibrium"]
 _SPECIAL = ("limit_points", "bifurcations", "flutter_points")
 
 
-class Equilibrium(Result):
+class Equilibrium(LastState):
     """A static equilibrium; the last load factor is the result, the earlier ones are the steps to it.
 
     One that ``Model.path`` found holds the points of a path, along which loads may grow and shrink.
@@ -45,51 +43,6 @@ class Equilibrium(Result):
     def load_factor(self) -> Floats:
         """Parts of the loads at which states are stored ``(states,)``: increasing to 1, or in the order of a path."""
         return np.asarray(self.data["load_factor"].values, dtype=float)
-
-    @checked
-    def position(self, place: str | int) -> Floats:
-        """Return the position of a place [m], shape (3,), global axes.
-
-        Raises:
-            InputError: no such place.
-        """
-        return self.sites.at(place).of(self.field("position", states=-1))
-
-    @checked
-    def displacement(self, place: str | int) -> Floats:
-        """Return the displacement of a place from the reference shape [m], shape (3,), global axes.
-
-        Raises:
-            InputError: no such place.
-        """
-        return self.sites.at(place).of(self.field("displacement", states=-1))
-
-    @checked
-    def rotation(self, place: str | int) -> Floats:
-        """Return the rotation of a place from its reference orientation.
-
-        Returns:
-            Rotation vector [rad], shape (3,), global axes, of length pi at most.
-
-        Raises:
-            InputError: no such place.
-        """
-        site = self.sites.at(place)
-        return rotation_vector(
-            product(site.rotation(self._final("rotation")), conjugate(site.rotation(self._reference)))
-        )
-
-    @property
-    def elastic_energy(self) -> float:
-        """Energy stored in the strains [J]."""
-        return float(self._final("elastic"))
-
-    @property
-    def reactions(self) -> xr.DataArray:
-        """Force [N] and moment [N m] of every support on its rod, ``(support, motion)``, global axes."""
-        if "reaction" not in self.data:
-            raise InputError("this result holds no reactions: the case has no supports")
-        return self.data["reaction"].isel({self.dimension: -1})
 
     @property
     def negative_eigenvalues(self) -> int:
@@ -189,11 +142,3 @@ class Equilibrium(Result):
         from viscorod.pictures.plots.plot_shape import draw_shape
 
         return delivered(draw_path(self, ax) if self.is_path else draw_shape(self, ax), path)
-
-    @property
-    def _reference(self) -> Floats:
-        return np.asarray(self.data["reference_rotation"].values, dtype=float)
-
-    def _final(self, name: str) -> Floats:
-        final: Floats = np.asarray(self.data[name].values, dtype=float)[-1]
-        return final

@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.errors import InputError
-from viscorod.results.result import Result
+from viscorod.results.last_state import LastState
 from viscorod.shown import counted
 from viscorod.solve.modes.vibrations import Vibrations
 from viscorod.typing import Floats
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
 
-class Steady(Result):
+class Steady(LastState):
     """A steady rotation: every rod turns like a rigid body, bent and stressed; and its small motions.
 
     ``data`` holds one state along the dimension ``spin``, at one instant of the rotation.
@@ -63,11 +63,6 @@ class Steady(Result):
     def kinetic_energy(self) -> float:
         """Kinetic energy [J]."""
         return float(self._values("kinetic")[0])
-
-    @property
-    def elastic_energy(self) -> float:
-        """Energy stored in the strains [J]."""
-        return float(self._values("elastic")[0])
 
     @property
     def formulation(self) -> str:
@@ -157,11 +152,6 @@ class Steady(Result):
     def neutral(self) -> int:
         """Number of small motions, both of a conjugate pair, that neither grow nor fade beyond round-off."""
         return int(self.data.attrs["neutral"])
-
-    @checked
-    def position(self, place: str | int) -> Floats:
-        """Return the position of a place [m], shape (3,), global axes, at the instant that is stored."""
-        return self.sites.at(place).of(self.field("position", states=-1))
 
     def report(self) -> str:
         """Return a report: the rotation, ends of the rods, energies, stability, the effort, warnings."""

@@ -23,7 +23,7 @@ __all__ = ["problems", "require_inertia"]
 def problems(model: ModelDescription) -> Iterator[Fault]:
     """Find everything that is wrong with the model as a whole, with key paths."""
     if not model.rods:
-        yield Fault("rods", "", "the model has no rod", "add one with add(name, rod), or a table [rods.NAME]")
+        yield _no_rod(model)
         return
     found = list(_unknown_places(model))
     if not found:
@@ -40,6 +40,20 @@ def problems(model: ModelDescription) -> Iterator[Fault]:
     yield from strains
     if not found and not strains:
         yield from _unfit_strains(model)
+
+
+def _no_rod(model: ModelDescription) -> Fault:
+    """Return the fault of a model without rods, with a way for one of rigid bodies alone."""
+    how = "add one with add(name, rod), or a table [rods.NAME]"
+    if not model.bodies:
+        return Fault("rods", "", "the model has no rod", how)
+    return Fault(
+        "rods",
+        "",
+        "the model has rigid bodies only, and they are computed as parts of models with rods",
+        f'make one of the bars a rod: {how}; constraints = ("kirchhoff", "bend_1", "bend_2", "twist") keeps it rigid, '
+        "and a StiffnessSection gives it mass and moments of inertia per length",
+    )
 
 
 def require_inertia(model: ModelDescription) -> None:

@@ -6,7 +6,9 @@ from collections.abc import Callable
 from dataclasses import dataclass
 
 from viscorod.solve.formulations.system import State
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.linear_buckling import critical_factors
+from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.path_follower import Path, PathFollower
 from viscorod.solve.statics.special_points import PathPoint
 from viscorod.solve.statics.tangent import softest
@@ -15,7 +17,9 @@ from viscorod.typing import Floats
 __all__ = ["BEYOND", "CriticalPoint", "CriticalSearch"]
 
 BEYOND = 2.0
-"""Multiple of the largest linear critical factor up to which the equilibria are followed."""
+"""Multiple of the largest linear critical factor up to which equilibria are followed, before it is computed anew."""
+LEGS = 6
+"""How often the linear problem is solved, about the state reached, for how far to go."""
 POINTS = 1000
 """Points of a path at most."""
 
@@ -44,17 +48,21 @@ class CriticalSearch:
         state: the equilibrium at the load factor ``about``.
 
     Attributes:
+        about: see above.
         reached: load factor to which the equilibria were followed.
+        by_motion: whether loads without a potential made the stiffness unsymmetric on the way.
+        flutter: load factors at which growing oscillations begin or end there.
     """
 
     def __init__(self, path: PathFollower, state: State, about: float) -> None:
-        self._path, self._state, self._about = path, state, about
-        self.reached = about
+        self._path, self._state, self.about = path, state, about
+        self.reached, self._end = about, state
+        self.by_motion, self.flutter = False, list[float]()
 
     def linear(self, count: int) -> tuple[Floats, Floats]:
         """Return the critical factors ``(k,)`` of the linear problem, and body increments ``(6 n, k)``."""
-        self._path.prepare(self._state, self._about)
-        return critical_factors(self._path, self._state, self._about, count)
+        self._path.prepare(self._state, self.about)
+        return critical_factors(self._path, self._state, self.about, count)
 
     def exact(
         self, count: int, expected: Floats, told: Callable[[float, float], None] | None = None
@@ -63,37 +71,54 @@ class CriticalSearch:
 
         Args:
             count: of them.
-            expected: linear critical factors; the path is given up at a multiple of the largest, without any at that
-                of the loads themselves.
+            expected: linear critical factors, which tell how far to go: to a multiple of the largest, without any to
+                that of the loads themselves. There they are computed anew, as long as there are some and the loads
+                have a potential: else oscillations come first.
             told: is told the load factor of every point, and the step to it.
 
         Returns:
             The points in the order of the path; and the path, whose outcome is COMPLETED or POINTS where fewer were
             found.
         """
+        points: list[CriticalPoint] = []
+        wanted = count
+        state, first = self._state.copy(), self.about
+        for _ in range(LEGS):
+            last = float(expected[-1]) if len(expected) else first + 1.0
+            course, passed = self._leg(state, first, first + BEYOND * (last - first), wanted, told)
+            points += passed
+            wanted = count - sum(point.increments.shape[1] for point in points)
+            if course.outcome is not Outcome.COMPLETED or wanted <= 0 or self.by_motion:
+                break
+            state, first = self._end, self.reached
+            try:
+                expected, _ = critical_factors(self._path, state, first, wanted)
+            except SingularMatrixError:
+                break
+            if not len(expected):
+                break
+        return points, course
+
+    def _leg(
+        self, state: State, first: float, end: float, count: int, told: Callable[[float, float], None] | None
+    ) -> tuple[Path, list[CriticalPoint]]:
+        """Follow the equilibria from one to a load factor, or to ``count`` vanishing stiffnesses before."""
         points: list[PathPoint] = []
-        last = float(expected[-1]) if len(expected) else self._about + 1.0
 
         def keep(point: PathPoint) -> None:
-            self.reached = float(point.factor)
+            self.reached, self._end = float(point.factor), point.state
+            self.by_motion |= point.stability is not None and point.stability.by_motion
             if told is not None:
-                before = points[-1].factor if points else self._about
+                before = points[-1].factor if points else first
                 told(float(point.factor), float(abs(point.factor - before)))
             points.append(point)
 
         course = self._path.follow(
-            self._state.copy(),
-            first=self._about,
-            load_factor=self._about + BEYOND * (last - self._about),
-            critical=count,
-            points=POINTS,
-            on_point=keep,
+            state.copy(), first=first, load_factor=end, critical=count, points=POINTS, on_point=keep
         )
-        found = [
-            self._point(points[number], number, course)
-            for number in sorted({*course.limit_points, *course.bifurcations})
-        ]
-        return found, course
+        self.flutter += [float(points[number].factor) for number in course.flutter]
+        numbers = sorted({*course.limit_points, *course.bifurcations})
+        return course, [self._point(points[number], number, course) for number in numbers]
 
     def _point(self, point: PathPoint, number: int, course: Path) -> CriticalPoint:
         limit = number in course.limit_points

@@ -14,6 +14,8 @@ TOLERANCE = 1e-10
 """Last change of the unknowns, in sizes of theirs."""
 ITERATIONS = 30
 SMALLEST_STEP = 1.0 / 1024.0
+FARTHEST = 6
+"""Halvings or doublings of a measure that is sought from a state which fits less or more of it."""
 STALLED = 1e-5
 """Change below which round-off of a stiff rod may keep changes from shrinking further."""
 LARGEST_GAP = 1e-4
@@ -94,7 +96,7 @@ def continue_to(
     """
     origin = equations.measure(kind)[0] if start is None else start
     if origin == target:  # nothing to halve
-        return newton(equations, kind, target, effort)
+        return newton(equations, kind, target, effort) or _from_another(equations, kind, target, effort)
     done, step = 0.0, 1.0
     while done < 1.0:
         step = min(step, 1.0 - done)
@@ -106,6 +108,18 @@ def continue_to(
             if step < SMALLEST_STEP:
                 return False
     return True
+
+
+def _from_another(equations: SteadyEquations, kind: Measure, target: float, effort: IterationCounts) -> bool:
+    """Begin with less or more of a measure, where the unknowns fit: a rope at rest is as taut as it hangs."""
+    first = equations.save()
+    for halvings in range(1, FARTHEST + 1):
+        for other in (target / 2.0**halvings, target * 2.0**halvings):
+            equations.restore(first)
+            if newton(equations, kind, other, effort) and continue_to(equations, kind, target, effort, other):
+                return True
+    equations.restore(first)
+    return False
 
 
 def search_branch(

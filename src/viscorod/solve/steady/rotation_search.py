@@ -91,7 +91,7 @@ class Search:
             raise SolveError(
                 f"No steady rotation was found with {kind} = {target:g} {_UNIT[kind]}, after {self.effort.iterations} "
                 "iterations. What to try: another axis or start; begin from a slower or faster rotation "
-                "(start = its result); of what is slack, a finer mesh, or a little bending stiffness"
+                "(start = its result); of what is slack, the equilibrium in which it hangs (start), or a finer mesh"
             )
         return equations
 
