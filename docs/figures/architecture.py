@@ -31,6 +31,8 @@ WORDS = {
     "checks": "what a value may be",
     "whole_files": "write, then replace",
     "errors": "faults in words",
+    "given_as": "types of what is given",
+    "alike": "equal contents",
     "limits": "largest sizes",
     "typing": "array types",
     "shown": "one line, cards",
@@ -39,10 +41,10 @@ WORDS = {
     "units": "quantities in SI",
     "attributes": "missing names",
 }
-WIDTH, HEIGHT = 10.0, 10.5
+WIDTH, HEIGHT = 10.0, 11.6
 BOX, GAP, STEP = 0.7, 0.25, 1.1
-MOST = 5
-"""Wings in one row; a rung with more has two rows."""
+MOST = 4
+"""Wings in one row; a rung with more has several."""
 
 
 def contract() -> list[list[str]]:
@@ -94,10 +96,10 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
     left, right = 0.95, WIDTH - 0.25
     for k, rung in enumerate(rungs):
         y = HEIGHT - 1.8 - STEP * k
-        half = (len(rung) + 1) // 2 if len(rung) > MOST else len(rung)
-        for number, row in enumerate((rung[:half], rung[half:])):
-            width = (right - left - GAP * (half - 1)) / half
-            for j, wing in enumerate(row):
+        beside = min(len(rung), MOST)
+        width = (right - left - GAP * (beside - 1)) / beside
+        for number in range(-(-len(rung) // beside)):
+            for j, wing in enumerate(rung[beside * number : beside * (number + 1)]):
                 places[wing] = (left + j * (width + GAP), y - number * (BOX + GAP), width)
         axes.text(0.55, y + BOX / 2, str(k + 1), color=GREY, fontsize=TEXT + 4, va="center", ha="center")
     for (above, below), count in sorted(wings.items()):
@@ -130,14 +132,14 @@ def draw(rungs: list[list[str]], wings: Counter[tuple[str, str]]) -> None:
             x + 0.12,
             y + 0.46,
             wing,
-            fontsize=TEXT + 1 if width > 2.0 else SMALL + 0.5,
+            fontsize=TEXT + 1 if width > 2.5 else SMALL + 0.5,
             color=INK,
             weight="bold",
             va="center",
             zorder=3,
         )
         axes.text(
-            x + width - 0.12, y + 0.46, f"{lines(wing):,}{' lines' if width > 2.0 else ''}".replace(",", " "),
+            x + width - 0.12, y + 0.46, f"{lines(wing):,}{' lines' if width > 2.5 else ''}".replace(",", " "),
             fontsize=SMALL - 1, color=GREY, va="center", ha="right", zorder=3,
         )  # fmt: skip
         axes.text(x + 0.12, y + 0.19, WORDS[wing], fontsize=SMALL - 0.5, color=INK, va="center", zorder=3)

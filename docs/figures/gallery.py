@@ -33,6 +33,7 @@ from viscorod.pictures.style import (
     figure,
     heading,
     legend_above,
+    with_prefixes,
 )
 from viscorod.results.text_numbers import quantity
 
@@ -158,7 +159,7 @@ def bend(axes: Axes, result: vr.Equilibrium) -> None:
     model = load_case(shipped_case("bend_45")).model(vr.Model)
     factors = np.linspace(0.05, 1.0, 20)
     tip = np.array([model.equilibrium(load_factor=factor).position("bend.end") for factor in factors])
-    clean(axes, "load", "tip position [m]")
+    clean(axes, "load [N]", "tip position [m]")
     for values, colour, name in zip(tip.T, (BLUE, GREEN, ORANGE), "xyz", strict=True):
         axes.plot(600 * factors, values, color=colour, linewidth=1.6, label=name)
     final = (15.68480, 47.15044, 53.47486)
@@ -186,7 +187,7 @@ def princeton(axes: Axes, result: vr.Equilibrium) -> None:
 def sag(axes: Axes, run: vr.Run) -> None:
     """Draw the end of the helical spring, with the sag of the textbook's spring under its own weight, W/2k."""
     displacement("spring.end", "z")(axes, run)
-    axes.axhline(-0.05593, color=RED, linestyle="--", linewidth=1.3, label="sag by G d^4/(8 D^3 n)")
+    axes.axhline(-0.05593, color=RED, linestyle="--", linewidth=1.3, label="sag by $G d^4/(8 D^3 n)$")
 
 
 def resonator(axes: Axes, run: vr.Run) -> None:
@@ -194,8 +195,6 @@ def resonator(axes: Axes, run: vr.Run) -> None:
     displacement("shuttle", "x", scale=1e6)(axes, run)
     top = 1e6 * float(run.history("shuttle", "displacement").sel(axis="x")[0])
     axes.plot(np.arange(7) / 16479.24, [top] * 7, "o", color=RED, label="periods of the formula")
-    axes.xaxis.set_major_formatter(lambda value, _: f"{1e6 * value:g}")
-    axes.set_xlabel("time [µs]")
 
 
 def blade(axes: Axes, result: vr.Steady) -> None:
@@ -382,20 +381,25 @@ def draw(name: str) -> Path:
     elif isinstance(result, vr.Buckling):
         critical(0, 1.01773)(left, result)
     else:
+        top = picture.subplotpars.top
         draw_shapes(left, result)
         left.get_legend().remove()
-        thin = "path (thin), last point (bold)" if RIGHT[name].__name__ == "along" else "loaded (bold)"
-        heading(left, f"Reference shape (dashed), {'turning (bold)' if name == 'swept_blade' else thin}")
+        picture.subplots_adjust(top=top)  # the legend had its room
+        thin = "path (thin), last (bold)" if RIGHT[name].__name__ == "along" else "loaded (bold)"
+        heading(left, f"Reference (dashed), {'turning (bold)' if name == 'swept_blade' else thin}")
     RIGHT[name](right, result)
     for axes in (left, right):
         if axes.get_xscale() == "linear":
             axes.locator_params(axis="x", nbins=6)
     legend_above(right, 4)
+    with_prefixes(picture)
     shot = BytesIO()
     picture.savefig(shot, format="png", dpi=DPI)
     target = TARGET / f"{name}.png"
     target.parent.mkdir(parents=True, exist_ok=True)
-    Image.open(shot).convert("RGB").quantize(128, dither=Image.Dither.NONE).save(target, optimize=True)
+    Image.open(shot).convert("RGB").quantize(128, kmeans=1, dither=Image.Dither.NONE).save(
+        target, optimize=True
+    )
     size = target.stat().st_size
     if size > LARGEST:
         raise SystemExit(f"{target} has {size} bytes, more than {LARGEST}")

@@ -7,6 +7,7 @@ of numbers. Parts that need other programs are left out.
 from __future__ import annotations
 
 import importlib.util
+import runpy
 import sys
 from pathlib import Path
 
@@ -190,3 +191,9 @@ def test_a_loss_is_printed_as_what_the_package_gives(script) -> None:
     assert value == pytest.approx(0.5 * (tip**2).sum())
     assert weights["position"][:, -1] == pytest.approx(tip)
     assert isinstance(run, vr.Run)
+
+
+def test_the_picture_of_the_house_has_words_for_every_wing() -> None:
+    """The script draws what the import contract names, and would end at a wing that it does not know."""
+    house = runpy.run_path(str(BENCH.parent / "docs" / "figures" / "architecture.py"))
+    assert {wing for rung in house["contract"]() for wing in rung} == set(house["WORDS"])

@@ -70,6 +70,29 @@ def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
     assert shown <= {text.get_text() for text in axes.get_xticklabels()}
 
 
+@pytest.mark.parametrize(
+    ("values", "words", "label", "shown"),
+    [
+        ((14.0, 160.0), "amplification", "amplification", {"20", "50", "100"}),
+        ((2.2, 7.5), "amplification", "amplification", {"3", "4", "6"}),
+        ((101.0, 112.0), "amplification", "amplification", {"102", "110"}),
+        ((2e-6, 5e-4), "size [m]", "size [µm]", {"2", "5", "10", "20", "50", "100", "200", "500"}),
+        ((2e-6, 5e-5), "amplification", "amplification", {"$\\mathdefault{10^{-5}}$"}),
+    ],
+)
+def test_logarithmic_axes_of_few_decades_have_plain_numbers(values, words, label, shown):
+    picture = figure(9.0, 6.0)
+    axes = picture.add_subplot()
+    axes.semilogy([0.0, 1.0], values)
+    clean(axes, "time [s]", words)
+    axes.set_ylim(*values)
+    for _ in range(2):  # a second time changes nothing
+        with_prefixes(picture)
+    picture.draw_without_rendering()
+    assert axes.get_ylabel() == label
+    assert shown <= {text.get_text() for text in axes.get_yticklabels()}
+
+
 def test_axes_of_one_scale_keep_one_unit():
     picture = figure(5.0, 4.0)
     axes = picture.add_subplot()

@@ -38,6 +38,8 @@ _ROUND_OFF = 1e-9
 """Range of values over their size below which they differ by what solvers leave."""
 _FEW_DECADES = 3.5
 """Of a logarithmic axis whose ticks are more than powers of ten."""
+_PLAIN = 1e-3, 1e5
+"""Numbers at ticks that are read at once without a power of ten."""
 _UNITS = ("s", "m", "m/s", "Hz", "N", "N m", "Pa", "J", "W/m", "1/m")
 """Of the axes that get a prefix."""
 DPI = 120
@@ -241,7 +243,7 @@ _NAMED: WeakKeyDictionary[Axes, set[str]] = WeakKeyDictionary()
 def with_prefixes(picture: Figure) -> None:
     """Give every linear axis whose label ends with a unit, "time [s]", the prefix of what it shows, "time [µs]".
 
-    Logarithmic axes of frequencies, too, where decades are few: "20 kHz" is read at once, 2 x 10^4 Hz is not.
+    Logarithmic axes, too, where decades are few: "20 kHz" is read at once, 2 x 10^4 Hz is not.
 
     What is drawn stays as it is; ticks and label tell it in the other unit.
     """
@@ -250,11 +252,10 @@ def with_prefixes(picture: Figure) -> None:
             continue
         for axis in (axes.xaxis, axes.yaxis):
             words, bracket, unit = axis.get_label_text().rpartition(" [")
-            if not bracket or unit[:-1] not in _UNITS:
-                continue
-            if axis.get_scale() == "log" and unit == "Hz]":
-                _log_frequencies(axis, words)
-            if axis.get_scale() != "linear":
+            known = bool(bracket) and unit[:-1] in _UNITS
+            if axis.get_scale() == "log":
+                _plain_decades(axis, words if known else None, unit[:-1])
+            if axis.get_scale() != "linear" or not known:
                 continue
             factor, name = scaled(unit[:-1], axis.get_view_interval())
             if factor != 1.0:
@@ -262,18 +263,25 @@ def with_prefixes(picture: Figure) -> None:
                 axis.set_label_text(f"{words} [{name}]")
 
 
-def _log_frequencies(axis: Axis, words: str) -> None:
-    """Write the ticks of a logarithmic axis of frequencies as plain numbers, 2 and 5 too, where decades are few."""
+def _plain_decades(axis: Axis, words: str | None, unit: str) -> None:
+    """Write the ticks of a logarithmic axis as plain numbers, 2 and 5 too, where decades are few.
+
+    A unit that takes prefixes gets that of the middle; ``words`` are what stands before it.
+    """
     from matplotlib.ticker import LogLocator, NullFormatter
 
     low, high = axis.get_view_interval()
     if not 0.0 < low < high < 10.0**_FEW_DECADES * low:
         return
-    factor, unit = scaled("Hz", np.sqrt(low * high))
-    axis.set_major_locator(LogLocator(subs=(1.0, 2.0, 5.0)))
+    factor, name = scaled(unit, np.sqrt(low * high)) if words is not None else (1.0, "")
+    if not _PLAIN[0] <= factor * low < factor * high <= _PLAIN[1]:
+        return
+    subs = (1.0, 2.0, 5.0) if high >= 10.0 * low else (1.0, 2.0, 3.0, 4.0, 6.0, 8.0)
+    axis.set_major_locator(LogLocator(subs=subs))
     axis.set_major_formatter(_times(factor))
     axis.set_minor_formatter(NullFormatter())
-    axis.set_label_text(f"{words} [{unit}]")
+    if words is not None:
+        axis.set_label_text(f"{words} [{name}]")
 
 
 def _times(factor: float) -> Callable[[float, object], str]:
