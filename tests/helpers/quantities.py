@@ -19,6 +19,16 @@ def ends_its_process_once(result):
     return 1.0
 
 
+def ends_its_process(result):
+    """1, but a member of a sweep with a force of 2e-4 N ends its process while there is a file, which counts that."""
+    mark = Path(os.environ["ENDS_WHILE"])
+    if "0.0002" in result.data.attrs["case"] and mark.exists():
+        with mark.open("a") as file:
+            file.write("x")
+        os._exit(9)
+    return 1.0
+
+
 def scaled_tip(factor, result):
     """Return a multiple of the deflection of the last station [m]."""
     return factor * tip_at_end(result)

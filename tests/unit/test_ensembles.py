@@ -111,6 +111,53 @@ def test_intervals_of_quantiles_hold(way):
         assert (part == 1.0).all()
 
 
+def sum_of_normals(seed, n, d=4, missing=0.0):
+    """An ensemble of the sum of independent normal numbers, whose quantiles and mean are known."""
+    z = scipy.stats.norm.ppf(uniform_points(n, d, seed)).sum(axis=1) / math.sqrt(d)
+    lost = np.random.default_rng(seed).random(n) < missing
+    members = [
+        SweepRun(k, {"a": 0.0}, None, "", "completed", {} if gone else {"f": one})
+        for k, (one, gone) in enumerate(zip(z, lost, strict=True))
+    ]
+    return Ensemble.of_sweep(Sweep(members), Design(("a",), ("norm",), n, seed, False))
+
+
+@pytest.mark.parametrize("missing", [0.0, 0.3])
+def test_intervals_tell_how_evenly_sobol_points_lie(missing):
+    """Of 256 points in four dimensions: 95 % hold the exact quantile, and that of the median is a third narrower."""
+    levels, count, n = (0.05, 0.5, 0.95), 60, 256
+    exact = scipy.stats.norm.ppf(levels)
+    hits, widths, independent = np.zeros(3), [], []
+    for seed in range(count):
+        found = sum_of_normals(seed, n, missing=missing)
+        table = found.quantiles(levels).loc["f"]
+        hits += (table["lower"] <= exact) & (exact <= table["upper"])
+        widths.append(table["upper"][0.5] - table["lower"][0.5])
+        interval = scipy.stats.quantile_test(found.values("f"), p=0.5).confidence_interval(0.95)
+        independent.append(interval.high - interval.low)
+    assert (hits / count > 0.95 - 3.0 * math.sqrt(0.95 * 0.05 / count)).all()
+    ratio = np.mean(widths) / np.mean(independent)
+    assert ratio < 0.75 if not missing else ratio < 1.1
+
+
+def test_errors_of_means_tell_how_evenly_sobol_points_lie():
+    """The root mean square error of 60 ensembles is at most what they tell, which is a fourth of 1/sqrt(n)."""
+    tables = [sum_of_normals(seed, 256).moments().loc["f"] for seed in range(60)]
+    told = math.sqrt(np.mean([table["error"] ** 2 for table in tables]))
+    real = math.sqrt(np.mean([table["mean"] ** 2 for table in tables]))
+    assert real < 1.1 * told
+    assert told < 0.25 / 16.0
+
+
+def test_quantiles_of_few_values_lie_between_them():
+    """Of two values of the same probability the median is one or the other, and the interval has both."""
+    values = (uniform_points(256, 2, 3)[:, 0] < 0.5).astype(float)
+    members = [SweepRun(k, {"a": 0.0}, None, "", "completed", {"f": one}) for k, one in enumerate(values)]
+    found = Ensemble.of_sweep(Sweep(members), Design(("a",), ("uniform",), 256, 3, False))
+    row = found.quantiles((0.5,)).iloc[0]
+    assert (row["lower"], row["upper"]) == (0.0, 1.0)
+
+
 def test_counts_are_whole_numbers():
     column = points_of(uniform_points(64, 1, 1), {"rods.beam.elements": scipy.stats.randint(1, 4)})
     values = column["rods.beam.elements"]

@@ -13,10 +13,14 @@ from viscorod.errors import InputError
 DONE = ("", "completed")
 
 
+def died(number, why):
+    return None, why, "failed"
+
+
 def computed(jobs, workers=2):
     jobs = [{"number": k, **job} for k, job in enumerate(jobs)]
     found = {}
-    in_parallel(work, jobs, range(len(jobs)), found, workers, threading.Event(), None)
+    in_parallel(work, jobs, range(len(jobs)), found, workers, threading.Event(), None, died)
     return [found[k] for k in range(len(jobs))]
 
 
@@ -59,5 +63,5 @@ def test_what_cannot_be_handed_over_is_its_own_failure():
 def test_processes_that_end_before_they_begin_are_one_message(monkeypatch):
     monkeypatch.setattr("viscorod.analyses.sweeps.processes._serve", os._exit)
     with pytest.raises(InputError, match="no worker process could be started"):
-        in_parallel(work, [{"number": 0}], [0], {}, 1, threading.Event(), None)
+        in_parallel(work, [{"number": 0}], [0], {}, 1, threading.Event(), None, died)
     assert not multiprocessing.active_children()

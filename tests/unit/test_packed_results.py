@@ -128,8 +128,8 @@ def test_a_result_in_a_file_that_is_gone_is_computed_again(folder):
     assert written(folder) == [2, 2, 2]
 
 
-def test_a_disk_without_room_costs_that_member_only(tmp_path, monkeypatch):
-    """It is told with its member, and the next call computes it."""
+def test_a_disk_without_room_stops_at_that_member(tmp_path, monkeypatch):
+    """It is told with its member, what is on disk stays, and the next call computes the rest."""
 
     def full(path, data):
         if full.left:
@@ -139,8 +139,10 @@ def test_a_disk_without_room_costs_that_member_only(tmp_path, monkeypatch):
 
     full.left = 2
     monkeypatch.setattr("viscorod.results.files.sweep_folder.append", full)
-    table = computed(tmp_path).table()
-    assert table["outcome"].tolist() == ["completed", "completed", "failed"]
+    with pytest.raises(vr.SolveError, match="stopped at member 2: it cannot be kept") as caught:
+        computed(tmp_path)
+    table = caught.value.run.table()
+    assert table["outcome"].tolist() == ["completed", "completed", "not kept"]
     assert "No space left on device" in table["message"][2]
     monkeypatch.undo()
     assert computed(tmp_path).count_completed == 3

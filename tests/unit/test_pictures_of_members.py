@@ -8,6 +8,7 @@ from typer.testing import CliRunner
 
 import viscorod as vr
 from helpers.strip import content
+from viscorod.analyses.sweeps.points import uniform_points
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
 from viscorod.pictures.style import figure, without_round_off
@@ -82,7 +83,7 @@ def test_axes_have_units(tmp_path):
 @pytest.mark.parametrize("n", [8, 1024])
 def test_intervals_without_bounds_are_arrows_and_are_told(n):
     """Of 8 members none bounds the outer quantiles, of 1024 all are bounded; each caption stays in its picture."""
-    picture = drawn([{"f": value} for value in np.linspace(1.0, 2.0, n)], n).plot()
+    picture = drawn([{"f": value} for value in uniform_points(n, 1, seed=1)[:, 0]], n).plot()
     picture.canvas.draw()
     marks = [line.get_marker() for line in picture.axes[0].lines]
     few = n == 8
@@ -90,6 +91,15 @@ def test_intervals_without_bounds_are_arrows_and_are_told(n):
     caption = picture.texts[-1]
     assert ("too few members for a bound" in " ".join(caption.get_text().split())) == few
     assert inside(picture, caption)
+
+
+def test_a_scatter_of_an_ensemble_with_indices_shows_its_samples():
+    """Of every point the rows A and B; the others repeat their values but for one, and would count as more members."""
+    rng = np.random.default_rng(1)
+    found = drawn([{"f": one} for one in rng.normal(size=3 * 16)], 16, indices=True)
+    assert found.samples == 32
+    shown = found.plot(x="a").axes[0].lines[0].get_ydata()
+    assert sorted(shown) == sorted(found.values("f"))
 
 
 def test_indices_of_all_quantities_have_one_scale():

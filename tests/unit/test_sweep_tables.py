@@ -25,7 +25,6 @@ from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
-from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.function_record import function_record
 from viscorod.results.sweep_members import FoundMembers, Rows, SweepMembers
 from viscorod.solve.transient.transient_solver import Transient
@@ -645,22 +644,6 @@ def test_histories_are_numbers_in_memory():
     assert found.history(1, "path") is None
     assert found.completed().tolist() == [True, False]
     assert found.with_results() == []
-
-
-def test_what_cannot_be_kept_is_no_finished_member(held, tmp_path, monkeypatch):
-    """A disk that is full for a while: the member says so, and the same call computes it again."""
-
-    def full(*_):
-        raise OSError(28, "No space left on device")
-
-    given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path}
-    with monkeypatch.context() as patch:
-        patch.setattr(SweepFolder, "add", full)
-        lost = vr.sweep(held, {FORCE: [1e-4]}, **given)
-    assert lost.members[0].outcome == "failed"
-    assert "No space left" in lost.members[0].message
-    assert vr.load(tmp_path).members[0].outcome == "not run"
-    assert vr.sweep(held, {FORCE: [1e-4]}, **given).members[0].completed
 
 
 def test_members_are_columns():

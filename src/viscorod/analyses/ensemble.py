@@ -45,6 +45,7 @@ def ensemble(
     folder: str | Path | None = None,
     members: slice | None = None,
     errors: int | None = None,
+    retry: bool = False,
     progress: Progress | bool | None = None,
 ) -> Ensemble:
     """Compute a case many times with uncertain values: quantiles of its quantities, and what their spread is due to.
@@ -63,7 +64,7 @@ def ensemble(
         correlation: of the distributions, in their order: the correlation matrix of the normal numbers from which a
             Gaussian copula makes them (for normal distributions their own).
         indices: compute Sobol' indices. That takes n (keys + 2) members, and independent distributions.
-        constants, fields, executor, workers, folder, members, errors, progress: as of ``viscorod.sweep``.
+        constants, fields, executor, workers, folder, members, errors, retry, progress: as of ``viscorod.sweep``.
 
     Returns:
         The members, with quantiles, indices and pictures of them.
@@ -92,8 +93,6 @@ def ensemble(
         bool(indices),
         tuple(map(tuple, correlated)),
     )
-    if folder is not None:
-        SweepFolder(Path(folder)).describe(design.record)
     try:
         found = sweep(
             case,
@@ -103,9 +102,10 @@ def ensemble(
             fields=fields,
             executor=executor,
             workers=workers,
-            folder=folder,
+            folder=None if folder is None else SweepFolder(Path(folder).absolute(), design.record),
             members=members,
             errors=errors,
+            retry=retry,
             progress=progress,
         )
     except SolveError as error:

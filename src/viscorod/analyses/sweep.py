@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
+from concurrent.futures import ThreadPoolExecutor
 from contextlib import nullcontext
 from pathlib import Path
 from typing import Any, TypeAlias
@@ -15,10 +16,10 @@ from viscorod.analyses.sweeps.before_computing import checked, require_sendable,
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
-from viscorod.analyses.sweeps.member_work import MemberWork
+from viscorod.analyses.sweeps.member_work import Job, MemberWork
 from viscorod.analyses.sweeps.process_start import prepare
 from viscorod.analyses.sweeps.processes import UNTOUCHED, in_parallel
-from viscorod.analyses.sweeps.rows import Columns, Row, Values, rows_of
+from viscorod.analyses.sweeps.rows import Columns, Values, rows_of
 from viscorod.analyses.sweeps.stopping import stopping
 from viscorod.casefile.case import Case, load_case
 from viscorod.checks import require_callback
@@ -27,7 +28,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, quantities_of
-from viscorod.results.sweep_members import Found, FoundMembers, Rows, SweepMembers
+from viscorod.results.sweep_members import NOT_KEPT, Found, FoundMembers, Rows, SweepMembers
 from viscorod.results.sweep_result import Sweep
 from viscorod.results.values_in_si import in_si
 
@@ -51,9 +52,10 @@ def sweep(
     fields: bool | None = None,
     executor: Any = None,
     workers: int | None = None,
-    folder: str | Path | None = None,
+    folder: str | Path | SweepFolder | None = None,
     members: slice | None = None,
     errors: int | None = None,
+    retry: bool = False,
     progress: Progress | bool | None = None,
 ) -> Sweep:
     """Compute a case many times, each time with other values, and return a table of named numbers.
@@ -78,11 +80,13 @@ def sweep(
             "dask:ADDRESS" of a scheduler, or any executor of ``concurrent.futures`` such as that of ``mpi4py.futures``.
         workers: number of processes; 1 computes in this process.
         folder: keeps every member that is finished, on disk before it is reported. Members that are there already, of
-            the same case, values, version and quantities, are not computed again. It is to be seen by all workers.
+            the same case, values, version and quantities, are not computed again, failed ones neither. It is to be seen
+            by all workers.
         members: which of them this call computes, such as ``slice(100, 200)``.
         errors: for how many members, evenly chosen, the errors of mesh and steps are estimated. It changes no other
             number and takes half the time of short motions or more; by default for 64 at most, for all where whole
             results are kept. A member whose mesh the program chooses has it in any case.
+        retry: compute those members of the folder again that failed, or whose workers were killed.
         progress: called with how many of these members are done, fractions included; True shows it.
 
     Returns:
@@ -92,7 +96,8 @@ def sweep(
         InputError: a key, a value or a quantity is wrong; nothing has been computed. Of more than 2000 members only the
             first that are due and those with the least and the largest number of every key are looked at before; wrong
             ones among the others have the outcome "refused".
-        SolveError: the sweep was interrupted, or its executor broke; ``run`` holds the `Sweep` of what was computed.
+        SolveError: the sweep was interrupted, its executor broke, or its folder cannot take more members; ``run`` holds
+            the `Sweep` of what was computed.
     """
     if isinstance(case, ModelDescription):
         instead = 'write it as one: model.to_toml("case.toml", "simulate", duration=1.0)'
@@ -113,67 +118,110 @@ def sweep(
     looked = _estimated(len(rows), errors, keep)
     names: list[str] = []
     numbers = [quantity.name for quantity in wanted if not quantity.is_history]
-    found = FoundMembers(len(rows), numbers)
-    store = None if folder is None else SweepFolder(Path(folder).absolute())
+    found = _Members(len(rows), numbers)
+    store = SweepFolder(Path(folder).absolute()) if isinstance(folder, str | Path) else folder
     if store is not None:
         names = member_names(case, rows, wanted, keep)
         store.take(names, found)
+        if retry:
+            for k in np.flatnonzero(~found.completed()).tolist():
+                found.pop(k, None)
+    elif retry:
+        why = "there is no folder with members that failed"
+        raise InputError(Fault("retry", show(retry), why, "give folder, or leave it out"))
     chosen = _chosen(len(rows), members)
     due = [k for k in chosen if k not in found]
     # what is there already was looked at before
     some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])
-    notes = checked(case, {k: rows[k] for k in some}, wanted, keep)
+    notes, read = checked(case, {k: rows[k] for k in some}, wanted, keep)
     rows.units = units_of(case, rows)
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
-    if store is not None:
-        store.begin(case.title, rows, names, notes, numbers)
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
-    jobs = _Jobs(rows, names, looked)
+    jobs = _Jobs(rows, names, looked, read if _in_this_process(executor, count, len(due)) else {})
+    del read
 
     def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
         if work.folder is None:
             return {}
         again = FoundMembers(len(rows))
-        work.folder.take([names[k] if k in numbers else "" for k in range(len(rows))], again)
+        asked = set(numbers)
+        work.folder.take([names[k] if k in asked else "" for k in range(len(rows))], again)
         return again
+
+    def died(number: int, why: str) -> Found:
+        return work.died(jobs[number], why)
 
     def told(done: float) -> None:
         if shown is not None:
             shown(len(chosen) - len(due) + done)
 
+    def begin() -> None:
+        """Say what is computed, when nothing can be refused any more."""
+        if store is not None:
+            store.begin(case.title, rows, names, notes, numbers)
+        told(0.0)
+
     broken = ""
     showing = counting(len(chosen), "members") if progress is True else nullcontext(progress or None)
     with stopping() as stop, little_garbage(), showing as shown:
+        found.stop = stop
         if not due:
-            told(0.0)
+            begin()
         elif count is None:
             with opened(executor) as engine:
-                broken = through(engine, work, jobs, due, found, stop, told, recover)
-        elif min(count, len(due)) == 1 and (executor is None or count == 1):
+                begin()
+                broken = through(engine, work, jobs, due, found, stop, told, recover, died)
+        elif _in_this_process(executor, count, len(due)):
+            begin()
             _alone(work, jobs, due, found, stop, told)
         else:
             require_sendable(work)
-            in_parallel(work, jobs, due, found, min(count, len(due)), stop, told)
+            begin()
+            in_parallel(work, jobs, due, found, min(count, len(due)), stop, told, died)
         stopped = stop.is_set()
     result = Sweep(SweepMembers(rows, found), case.title, notes)
+    lost = found.first_of(NOT_KEPT)
+    if lost is not None:
+        broken = f"The sweep was stopped at member {lost}: {found[lost][1]}; put that right and call again"
     if stopped or broken:
         why = broken or "The sweep was stopped"
         raise SolveError(f"{why}; {result.count_completed} of {len(rows)} members are done", result)
     return result
 
 
-class _Jobs(Sequence[tuple[Row, str, bool]]):
-    """What workers are told of each member: its values, its name, and whether its errors are estimated."""
+class _Members(FoundMembers):
+    """The members of a sweep that runs; one that cannot be kept stops it, since others could not be kept either."""
 
-    def __init__(self, rows: Rows, names: Sequence[str], looked: set[int]) -> None:
-        self._rows, self._names, self._looked = rows, names, looked
+    stop: threading.Event | None = None
+
+    def __setitem__(self, number: int, found: Found) -> None:
+        super().__setitem__(number, found)
+        if found[2] == NOT_KEPT and self.stop is not None:
+            self.stop.set()
+
+
+def _in_this_process(executor: Any, count: int | None, due: int) -> bool:
+    """Return whether this process computes the members, alone or with threads, of a ``count`` of processes."""
+    if count is None:
+        return isinstance(executor, ThreadPoolExecutor) or str(executor).startswith("threads")
+    return min(count, due) == 1 and (executor is None or count == 1)
+
+
+class _Jobs(Sequence[Job]):
+    """What workers are told of each member; of those in ``read`` once the case that was read before."""
+
+    def __init__(
+        self, rows: Rows, names: Sequence[str], looked: set[int], read: MutableMapping[int, Case]
+    ) -> None:
+        self._rows, self._names, self._looked, self._read = rows, names, looked, read
 
     def __len__(self) -> int:
         return len(self._rows)
 
     def __getitem__(self, at: Any) -> Any:
-        return self._rows[at], self._names[at] if self._names else "", at in self._looked
+        name = self._names[at] if self._names else ""
+        return self._rows[at], name, at in self._looked, self._read.pop(at, None)
 
 
 def _extremes(rows: Rows, numbers: Sequence[int]) -> list[int]:

@@ -17,9 +17,12 @@ from viscorod.cli.sweep_command import (
     ExecutorOption,
     Members,
     QuantityOptions,
+    Retry,
     Scheduler,
     Workers,
     executor_of,
+    has_failed,
+    write_csv,
 )
 from viscorod.cli.terminal import complain, readable_errors, told
 from viscorod.errors import SolveError
@@ -50,6 +53,7 @@ def ensemble(
     members: Members = None,
     workers: Workers = None,
     errors: Errors = None,
+    retry: Retry = False,
 ) -> None:
     """Compute a case with uncertain values: print quantiles and Sobol' indices, write data and pictures."""
     with readable_errors():
@@ -58,12 +62,14 @@ def ensemble(
         from viscorod.casefile.case import load_case
         from viscorod.errors import InputError
         from viscorod.results.files.folder_lock import locked
+        from viscorod.results.sweep_members import NOT_KEPT
 
         loaded = load_case(existing(case))
         folder = writable(output or Path("out") / case.stem)
         distributions = dict(map(drawn, draw))
         part = part_of(members)
         count = points * (len(distributions) + 2 if indices else 1)
+        failed = False
         with nullcontext() if part is not None else locked(folder):
             try:
                 with counting(max(count, 1), "members", shown=not quiet()) as progress:
@@ -80,16 +86,15 @@ def ensemble(
                         folder=folder / "ensemble",
                         members=part,
                         errors=errors,
+                        retry=retry,
                         progress=progress,
                     )
             except SolveError as error:
                 complain(f"error: {error}")
-                result = error.run
+                failed, result = True, error.run
             written = [folder / "ensemble"]
-            if part is None:
-                table = folder / "ensemble.csv"
-                result.table().to_csv(table)
-                written.append(table)
+            if part is None and result.members.found.first_of(NOT_KEPT) is None:
+                written.append(write_csv(result, folder / "ensemble.csv"))
                 try:
                     written.append(picture_at(result.plot, folder / "quantiles.png"))
                     if indices:
@@ -101,6 +106,5 @@ def ensemble(
                     path = folder / ("fan.png" if len(histories) == 1 else f"fan_{k}.png")
                     written.append(picture_at(result.plot_fan, path, name))
             told(result, written)
-        left_out = ("not run",) if part is not None else ()
-        if any(member.outcome not in left_out for member in result.failed):
+        if failed or has_failed(result, part):
             raise typer.Exit(1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from contextlib import nullcontext
 from importlib.util import find_spec
 from pathlib import Path
@@ -16,6 +17,7 @@ from viscorod.cli.key_values import column_of, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import InputError, SolveError
+from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.results.sweep_result import Sweep
@@ -25,11 +27,14 @@ __all__ = [
     "ExecutorOption",
     "Members",
     "QuantityOptions",
+    "Retry",
     "Scheduler",
     "Workers",
     "executor_of",
+    "has_failed",
     "sweep",
     "write",
+    "write_csv",
 ]
 
 LARGEST_FILE = 2000
@@ -83,6 +88,10 @@ Errors = Annotated[
         show_default=False,
     ),
 ]
+Retry = Annotated[
+    bool,
+    typer.Option("--retry", help="Compute members again that failed, or that killed their workers."),
+]
 
 
 def sweep(
@@ -118,6 +127,7 @@ def sweep(
     members: Members = None,
     workers: Workers = None,
     errors: Errors = None,
+    retry: Retry = False,
 ) -> None:
     """Compute a case with many values: print a table, write data."""
     with readable_errors():
@@ -126,6 +136,7 @@ def sweep(
         from viscorod.analyses.sweeps.rows import rows_of
         from viscorod.casefile.case import load_case
         from viscorod.results.files.folder_lock import locked
+        from viscorod.results.sweep_members import NOT_KEPT
 
         loaded = load_case(existing(case))
         columns = dict(map(column_of, values or []))
@@ -147,8 +158,7 @@ def sweep(
         part = part_of(members)
         asked = dict(map(named, quantity or []))
         array_job = part is not None  # several of them share the folder
-        if not array_job:
-            replacing_note(folder / "sweep.nc")
+        failed, engine = False, (executor_of(executor, scheduler), workers)
         with nullcontext() if array_job else locked(folder):
             try:
                 with counting(
@@ -159,21 +169,41 @@ def sweep(
                         **given,
                         quantities=asked or None,
                         fields=True if fields or not asked else None,
-                        executor=executor_of(executor, scheduler),
+                        executor=engine[0],
                         workers=workers,
-                        folder=folder / "sweep" if asked or array_job or count > LARGEST_FILE else None,
+                        folder=folder / "sweep",
                         members=part,
                         errors=errors,
-                        progress=progress,
+                        retry=retry,
+                        progress=progress if array_job else begun(folder / "sweep.nc", progress),
                     )
             except SolveError as error:
                 complain(f"error: {error}")
-                result = error.run
-            engine = executor_of(executor, scheduler), workers
-            told(result, [folder / "sweep"] if array_job else write(result, folder, engine))
-        left_out = ("not run",) if array_job else ()
-        if any(member.outcome not in left_out for member in result.failed):
+                failed, result = True, error.run
+            kept = array_job or result.members.found.first_of(NOT_KEPT) is not None
+            told(result, [folder / "sweep"] if kept else write(result, folder, engine))
+        if failed or has_failed(result, part):
             raise typer.Exit(1)
+
+
+def begun(path: Path, progress: Callable[[float], None]) -> Callable[[float], None]:
+    """Return a function that says, when it is called first, that a file will be replaced: nothing was refused then."""
+    waiting = [path]
+
+    def tell(done: float) -> None:
+        while waiting:
+            replacing_note(waiting.pop())
+        progress(done)
+
+    return tell
+
+
+def has_failed(result: Sweep, part: slice | None) -> bool:
+    """Return whether a member failed, or was left out though it was asked for."""
+    from viscorod.results.sweep_members import COMPLETED, NOT_RUN
+
+    outcomes = set(result.members.found.outcomes())
+    return bool(outcomes - {COMPLETED} - ({NOT_RUN} if part is not None else set()))
 
 
 def executor_of(executor: str | None, scheduler: str | None) -> str | None:
@@ -189,6 +219,13 @@ def executor_of(executor: str | None, scheduler: str | None) -> str | None:
     return f"dask:{scheduler}"
 
 
+def write_csv(result: Sweep, path: Path) -> Path:
+    """Write the table of a sweep, which replaces an earlier one when it is whole."""
+    with replacing(path) as new:
+        result.table().to_csv(new)
+    return path
+
+
 def write(result: Sweep, folder: Path, engine: tuple[str | None, int | None]) -> list[Path]:
     """Write a sweep, and its table if it has quantities; a store is written by what computed the members.
 
@@ -198,9 +235,7 @@ def write(result: Sweep, folder: Path, engine: tuple[str | None, int | None]) ->
     """
     written = []
     if result.quantities:
-        path = folder / "sweep.csv"
-        result.table().to_csv(path)
-        written.append(path)
+        written.append(write_csv(result, folder / "sweep.csv"))
     if len(result.members) <= LARGEST_FILE:
         return [result.save(folder / "sweep.nc"), *written]
     if find_spec("pyarrow") is None or find_spec("zarr") is None:

@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.checks import checked, numbers
 from viscorod.errors import Fault, InputError
+from viscorod.results.block_errors import mean_error, quantile_interval
 from viscorod.results.ensemble_design import Design
 from viscorod.results.ensemble_report import report_of
 from viscorod.results.sobol_indices import with_intervals
@@ -65,8 +66,8 @@ class Ensemble(Sweep):
 
     @property
     def samples(self) -> int:
-        """How many members are independent samples: of an ensemble with indices two for every point, else all."""
-        return 2 * self.design.n if self.design.indices else len(self.members)
+        """How many members are samples of the distributions: of an ensemble with indices two for every point."""
+        return self.design.n * self.design.samples
 
     @property
     def partial(self) -> tuple[str, ...]:
@@ -109,13 +110,17 @@ class Ensemble(Sweep):
         return self._samples(quantity)
 
     def _samples(self, quantity: str) -> Floats:
-        column = self._independent(quantity)
+        column = self._points(quantity).T.reshape(-1)
         return column[np.isfinite(column)]
 
-    def _independent(self, quantity: str) -> Floats:
-        """Return a quantity of all members that are independent of each other; NaN of those that do not have it."""
-        column = self._columns[quantity]
-        return column.reshape(self.design.n, -1)[:, :2].T.reshape(-1) if self.design.indices else column
+    def _points(self, quantity: str) -> Floats:
+        """Return a quantity at every point, of the members that are samples ``(points, 1 or 2)``; NaN for none."""
+        return self._columns[quantity].reshape(self.design.n, -1)[:, : self.design.samples]
+
+    @property
+    def pictured(self) -> np.ndarray:
+        """Which members stand for the distributions: the other rows for indices repeat their values ``(members,)``."""
+        return np.arange(len(self.members)) % self.design.rows < self.design.samples
 
     def _require_numbers(self) -> None:
         if not self.numbers:
@@ -124,10 +129,10 @@ class Ensemble(Sweep):
     def quantiles(self, levels: Sequence[float] = LEVELS) -> pd.DataFrame:
         """Return quantiles of all quantities, with intervals of 95 % confidence.
 
-        The intervals are those of order statistics (``scipy.stats.quantile_test``), which hold for any distribution and
-        independent members; those of a Sobol' sequence lie more evenly, so that errors are smaller than this says.
-        Where members are too few for a bound, it is infinite. Quantities that fewer than 8 members have are left out
-        (``scarce``).
+        Of 64 samples and more the intervals are those of 16 blocks of consecutive Sobol' points as replicates, which
+        tell how much more evenly these lie than independent ones (``viscorod.results.block_errors``); of fewer those of
+        order statistics (``scipy.stats.quantile_test``), as if they were independent. Where members are too few for a
+        bound, it is infinite. Quantities that fewer than 8 members have are left out (``scarce``).
 
         Args:
             levels: probabilities between 0 and 1.
@@ -140,7 +145,6 @@ class Ensemble(Sweep):
             InputError: a level is no probability, or too few members have any quantity.
         """
         import pandas as pd
-        from scipy.stats import quantile_test
 
         levels = np.atleast_1d(numbers("levels", levels)).tolist()
         wrong = [level for level in levels if not 0.0 < level < 1.0]
@@ -149,23 +153,23 @@ class Ensemble(Sweep):
         self._require_numbers()
         rows = []
         for name in self.numbers:
-            values = self.values(name)
+            values, points = self.values(name), self._points(name)
             for level in levels:
-                low, high = quantile_test(values, p=level).confidence_interval(CONFIDENCE)
+                lower, upper = quantile_interval(points, level, CONFIDENCE)
                 rows.append(
                     {
                         "quantity": name,
                         "level": level,
                         "value": float(np.quantile(values, level)),
-                        "lower": -np.inf if np.isnan(low) else float(low),
-                        "upper": np.inf if np.isnan(high) else float(high),
+                        "lower": lower,
+                        "upper": upper,
                         "half": float(np.quantile(values[: len(values) // 2], level)),
                     }
                 )
         return pd.DataFrame(rows).set_index(["quantity", "level"])
 
     def moments(self) -> pd.DataFrame:
-        """Return mean, its standard error as of independent members, and standard deviation of all quantities.
+        """Return mean, its standard error, and standard deviation of all quantities; errors as those of quantiles.
 
         Raises:
             InputError: too few members have any quantity.
@@ -176,11 +180,10 @@ class Ensemble(Sweep):
         rows = {}
         for name in self.numbers:
             values = self.values(name)
-            deviation = float(values.std(ddof=1))
             rows[name] = {
                 "mean": float(values.mean()),
-                "error": deviation / float(np.sqrt(len(values))),
-                "deviation": deviation,
+                "error": mean_error(self._points(name)),
+                "deviation": float(values.std(ddof=1)),
             }
         return pd.DataFrame.from_dict(rows, orient="index").rename_axis("quantity")
 

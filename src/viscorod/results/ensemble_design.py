@@ -31,9 +31,19 @@ class Design:
     correlation: tuple[tuple[float, ...], ...] = ()
 
     @property
+    def rows(self) -> int:
+        """How many members every point has."""
+        return len(self.keys) + 2 if self.indices else 1
+
+    @property
+    def samples(self) -> int:
+        """How many of these, the first ones, are samples of the distributions: A and B of those for indices."""
+        return 2 if self.indices else 1
+
+    @property
     def members(self) -> int:
         """How many members it has."""
-        return self.n * (len(self.keys) + 2 if self.indices else 1)
+        return self.n * self.rows
 
     @property
     def record(self) -> str:

@@ -25,10 +25,22 @@ if TYPE_CHECKING:
 
     Stored: TypeAlias = AnyResult | Path | Callable[[], AnyResult] | None
 
-__all__ = ["COMPLETED", "NOT_RUN", "Found", "FoundMembers", "Rows", "Stack", "SweepMembers", "SweepRun"]
+__all__ = [
+    "COMPLETED",
+    "NOT_KEPT",
+    "NOT_RUN",
+    "Found",
+    "FoundMembers",
+    "Rows",
+    "Stack",
+    "SweepMembers",
+    "SweepRun",
+]
 
 COMPLETED = "completed"
 NOT_RUN = "not run"
+NOT_KEPT = "not kept"
+"""Of a member that is finished and that the folder could not take."""
 
 Found: TypeAlias = tuple[Any, ...]
 """What is known of a member: its result or its file or None, message, outcome, quantities, figures."""
@@ -196,6 +208,16 @@ class FoundMembers(MutableMapping[int, Found]):
             quantities | {name: value.tolist() for name, value in self._histories.get(number, {}).items()},
             measured,
         )
+
+    def is_completed(self, number: int) -> bool:
+        """Return whether a member was computed to its end."""
+        return number in self and self._outcomes[self._outcome[number]] == COMPLETED
+
+    def first_of(self, outcome: str) -> int | None:
+        """Return the number of the first member with an outcome; None if there is none."""
+        if outcome not in self._outcomes:
+            return None
+        return next(iter(np.flatnonzero(self._outcome == self._outcomes.index(outcome)).tolist()), None)
 
     def outcomes(self) -> list[str]:
         """Return the outcomes of all members."""

@@ -104,6 +104,11 @@ class Sweep(WellNamed, Shown, Alike):
         return tuple(member for member in self.members if member.completed)
 
     @property
+    def pictured(self) -> np.ndarray:
+        """Which members a picture over a parameter shows ``(members,)``."""
+        return np.ones(len(self.members), dtype=bool)
+
+    @property
     def count_completed(self) -> int:
         """How many members were computed to their end."""
         return int(self.members.found.completed().sum())

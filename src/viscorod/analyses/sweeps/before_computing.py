@@ -20,22 +20,28 @@ from viscorod.results.sweep_members import Rows
 __all__ = ["checked", "require_sendable", "units_of"]
 
 
-def checked(case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity], keep: bool) -> list[str]:
-    """Refuse wrong keys, values and places before anything is computed; returns what was chosen for all members.
+def checked(
+    case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity], keep: bool
+) -> tuple[list[str], dict[int, Case]]:
+    """Refuse wrong keys, values and places before anything is computed.
 
     Args:
         rows: the values of members that are looked at, by their numbers.
+
+    Returns:
+        What was chosen for all members, and the cases of those that were looked at, about 10 kB each.
     """
     notes: list[str] = []
+    read: dict[int, Case] = {}
     problems: dict[tuple[str, str], tuple[Fault, list[int]]] = {}
     known = KnownParts()
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
     for k, row in rows.items():
         try:
             content, note = member_content(case.content, case.source, row, keep, known)
-            member = case_from_dict(content, case.source, known=known)
+            read[k] = case_from_dict({"title": case.title, **content}, case.source, known=known)
             if k == 0 and places:
-                _require_places(member, places)
+                _require_places(read[k], places)
         except InputError as error:
             for problem in error.problems:  # the same mistake in many members is reported once
                 problems.setdefault((problem.where, problem.why), (problem, []))[1].append(k)
@@ -44,7 +50,7 @@ def checked(case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity],
     if problems:
         told = [_with_members(fault, numbers, rows) for fault, numbers in problems.values()]
         raise InputError(told, heading=str(case.source) if case.source else "case")
-    return list(dict.fromkeys(notes))
+    return list(dict.fromkeys(notes)), read
 
 
 def units_of(case: Case, rows: Rows) -> dict[str, str]:

@@ -32,10 +32,10 @@ from typing import Any, TypeAlias
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.process_start import context, one_thread_each, without_keyboard
-from viscorod.analyses.sweeps.processes import FAILED, TRIES, UNTOUCHED, Work
+from viscorod.analyses.sweeps.processes import TRIES, UNTOUCHED, Died, Work
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
-from viscorod.results.sweep_members import Found
+from viscorod.results.sweep_members import NOT_KEPT, Found
 
 __all__ = ["Recover", "engine", "opened", "processes_of", "through"]
 
@@ -168,6 +168,7 @@ def through(
     stop: threading.Event,
     progress: Callable[[float], None] | None,
     recover: Recover,
+    died: Died,
 ) -> str:
     """Do jobs on an executor; returns why it gave up, empty if it did not.
 
@@ -179,9 +180,10 @@ def through(
         stop: set from outside; what has not begun is left out then.
         progress: called with the number of jobs done.
         recover: returns what jobs left on disk.
+        died: says what is found of a job whose worker was lost ``TRIES`` times.
     """
     before = len(found)
-    task = _Tasks(executor, work, jobs, stop, recover, deque(due), found)
+    task = _Tasks(executor, work, jobs, stop, (recover, died), deque(due), found)
     try:
         while len(found) < before + len(due):
             if stop.is_set():
@@ -216,11 +218,11 @@ class _Tasks:
         work: Work,
         jobs: Sequence[Any],
         stop: threading.Event,
-        recover: Recover,
+        after: tuple[Recover, Died],
         waiting: deque[int],
         found: MutableMapping[int, Found],
     ) -> None:
-        self._executor, self._jobs, self._recover = executor, jobs, recover
+        self._executor, self._jobs, (self._recover, self._died) = executor, jobs, after
         # a thread sees the event itself; other processes end the batch that they are at
         stopped = stop.is_set if isinstance(executor, ThreadPoolExecutor) else _never
         self._batch = partial(_compute_batch, work, stopped)
@@ -285,7 +287,9 @@ class _Tasks:
             if self._tries[member] < TRIES:
                 self._apart.append(member)
             else:
-                self.found[member] = None, f"its worker was lost {self._tries[member]} times ({why})", FAILED
+                self.found[member] = self._died(
+                    member, f"its worker was lost {self._tries[member]} times ({why})"
+                )
 
     def cancel(self) -> None:
         """Take back what has not begun."""
@@ -312,8 +316,12 @@ def _nowhere(_part: float) -> None:
 def _compute_batch(work: Work, stopped: Callable[[], bool], jobs: Sequence[Any]) -> tuple[float, list[Found]]:
     """Compute a batch of members where a worker is; returns the time [s] it took, and what was found."""
     began = time.perf_counter()
+    results: list[Found] = []
+    full = False
     with little_garbage():
-        results = [UNTOUCHED if stopped() else work(job, _nowhere, stopped) for job in jobs]
+        for job in jobs:
+            results.append(UNTOUCHED if full or stopped() else work(job, _nowhere, stopped))
+            full = full or results[-1][2] == NOT_KEPT  # a disk that is full takes no other either
     return time.perf_counter() - began, results
 
 

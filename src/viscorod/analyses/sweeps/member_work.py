@@ -10,20 +10,22 @@ from typing import Any, TypeAlias
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
-from viscorod.casefile.case import case_from_dict
+from viscorod.casefile.case import Case, case_from_dict
 from viscorod.casefile.case_keys import put
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import InputError, SolveError, came_of_interrupt
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantity, evaluated
 from viscorod.results.sweep_figures import figures_of
-from viscorod.results.sweep_members import COMPLETED, NOT_RUN, Found
+from viscorod.results.sweep_members import COMPLETED, NOT_KEPT, NOT_RUN, Found
 from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.whole_files import why_not
 
 __all__ = ["MemberWork", "member_content"]
 
-Job: TypeAlias = tuple[Mapping[str, Any], str, Path | None, bool]
+Job: TypeAlias = tuple[Row, str, bool, Case | None]
+"""Values of a member, its name, whether its errors are estimated, and its case where that was read already."""
 
 OUTPUTS = 200
 """Stored states of a run whose case gives no output_interval."""
@@ -84,17 +86,15 @@ class MemberWork:
     folder: SweepFolder | None
     known: KnownParts = field(default_factory=KnownParts, compare=False, repr=False)
 
-    def __call__(
-        self, job: tuple[Row, str, bool], tell: Callable[[float], None], stopped: Callable[[], bool]
-    ) -> Found:
+    def __call__(self, job: Job, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
         """Compute one member and record it."""
-        row, name, errors = job
+        row, name, errors, read = job
         try:
-            content, _ = member_content(self.content, self.source, row, self.keep, self.known)
+            case = self._case(row) if read is None else read
         except InputError as error:
             found: Found = None, str(error), "refused"
         else:
-            found = _compute((content, self.title, self.source, errors), self.known, tell, stopped)
+            found = _compute(case, errors, tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
         parts = {
@@ -103,14 +103,31 @@ class MemberWork:
             "quantities": numbers,
             "measured": {} if self.keep and self.folder is None else figures_of(result),
         }
-        stored = result if self.keep else None
-        if self.folder is not None and outcome not in UNFINISHED:
-            try:
-                stored = self.folder.add(name, parts, stored)
-            except (OSError, InputError) as error:  # a full disk; the next call computes it again
-                why = f"it was computed, but cannot be kept in {self.folder.path} ({error})"
-                return None, why, FAILED, numbers, parts["measured"]
-        return stored, *parts.values()
+        return self._kept(name, parts, result if self.keep else None)
+
+    def _case(self, row: Row) -> Case:
+        """Read the case of a member.
+
+        Raises:
+            InputError: a key or a value is wrong.
+        """
+        content, _ = member_content(self.content, self.source, row, self.keep, self.known)
+        return case_from_dict({"title": self.title, **content}, self.source, known=self.known)
+
+    def died(self, job: Job, why: str) -> Found:
+        """Record a member whose workers died of it, or were lost; the next call does not try it again by itself."""
+        parts = {"message": why, "outcome": FAILED, "quantities": {}, "measured": {}}
+        return self._kept(job[1], parts, None)
+
+    def _kept(self, name: str, parts: Mapping[str, Any], result: Any) -> Found:
+        """Return what is known of a member, on disk if there is a folder and it is finished."""
+        if self.folder is None or parts["outcome"] in UNFINISHED:
+            return result, *parts.values()
+        try:
+            return self.folder.add(name, parts, result), *parts.values()
+        except OSError as error:  # a full disk, a quota; the next call computes it again
+            why = f"it cannot be kept in {self.folder.path} ({why_not(error, self.folder.path / name)})"
+            return None, why, NOT_KEPT, parts["quantities"], parts["measured"]
 
 
 class _Stop:
@@ -145,13 +162,9 @@ class _Told:
         self._tell(self._course.part(reached))
 
 
-def _compute(
-    job: Job, known: KnownParts, tell: Callable[[float], None], stopped: Callable[[], bool]
-) -> Found:
+def _compute(case: Case, errors: bool, tell: Callable[[float], None], stopped: Callable[[], bool]) -> Found:
     """Do one member; whatever goes wrong is recorded, not raised."""
-    content, title, source, errors = job
     try:
-        case = case_from_dict({"title": title, **content}, source, known=known)
         progress = _Told(tell, case.settings.course)
         return (
             run_case(case, progress=progress, stop=_Stop(stopped), errors=errors),

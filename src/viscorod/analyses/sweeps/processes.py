@@ -22,10 +22,12 @@ from viscorod.analyses.sweeps.process_start import one_thread_each
 from viscorod.errors import InputError
 from viscorod.results.sweep_members import NOT_RUN, Found
 
-__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Work", "in_parallel"]
+__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Died", "Work", "in_parallel"]
 
 Work: TypeAlias = Callable[[Any, Callable[[float], None], Callable[[], bool]], Found]
 """Computes a job, tells which part of it is done and asks whether to stop."""
+Died: TypeAlias = Callable[[int, str], Found]
+"""Records that the workers of a job, by its number, died of it, and why."""
 
 FAILED = "failed"
 UNTOUCHED: Found = (None, "the sweep was stopped before it", NOT_RUN)
@@ -80,6 +82,7 @@ def in_parallel(
     workers: int,
     stop: threading.Event,
     progress: Callable[[float], None] | None,
+    died: Died,
 ) -> None:
     """Do jobs on several processes with one thread each.
 
@@ -90,6 +93,7 @@ def in_parallel(
         workers: number of processes.
         stop: set from outside; jobs that have not begun are left out then.
         progress: called with the number of jobs done, fractions included.
+        died: says what is found of a job that ended its process ``TRIES`` times.
 
     Raises:
         InputError: no process could be started.
@@ -108,7 +112,7 @@ def in_parallel(
                     pass
                 crew.remove(worker)
                 lost[worker.member] += 1
-                _after_death(worker, lost[worker.member], stop, found, waiting)
+                _after_death(worker, lost[worker.member], stop, found, waiting, died)
                 if waiting:
                     crew.append(_Worker(context, work, cells))
             if stop.is_set():
@@ -182,6 +186,7 @@ def _after_death(
     stop: threading.Event,
     found: MutableMapping[int, Found],
     waiting: deque[int],
+    died: Died,
 ) -> None:
     """Decide what becomes of the member of a process that ended by itself, for the time ``count``."""
     worker.process.join()
@@ -200,7 +205,7 @@ def _after_death(
         elif count < TRIES:
             waiting.append(member)
         else:
-            found[member] = None, f"its process {how}; it was tried {count} times", FAILED
+            found[member] = died(member, f"its process {how}; it was tried {count} times")
 
 
 def _ended(code: int | None) -> str:

@@ -97,9 +97,7 @@ def draw_fan(found: Ensemble, name: str | None = None, ax: Axes | None = None) -
     """
     known = found.members.found
     name = next(iter(known.histories), "no quantity") if name is None else name
-    # the other rows of an ensemble with indices are no independent samples
-    width = len(found.design.keys) + 2 if found.design.indices else 1
-    histories = [known.history(k, name) for k in range(len(found.members)) if width == 1 or k % width < 2]
+    histories = [known.history(k, name) for k in np.flatnonzero(found.pictured).tolist()]
     values = np.array([history for history in histories if history is not None])
     if not len(values):
         raise InputError(

@@ -60,7 +60,7 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         InputError: there is no such number or parameter, or no member was computed to its end.
     """
     table = sweep.table(as_given=True)
-    table = table[table["outcome"] == "completed"]
+    table = table[sweep.pictured & (table["outcome"] == "completed")]
     if not len(table):
         raise InputError("no member of this sweep was computed to its end; its report says why")
     table, units = _in_numbers(table, sweep.parameters)

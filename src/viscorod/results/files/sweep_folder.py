@@ -46,18 +46,15 @@ _SUM = re.compile(r', "sum": (\d+)}\n$')
 
 @dataclass(frozen=True)
 class SweepFolder:
-    """The folder of a sweep."""
+    """The folder of a sweep.
+
+    Attributes:
+        path: where it is.
+        design: how the members of an ensemble are chosen; empty of other sweeps.
+    """
 
     path: Path
-
-    def describe(self, design: str) -> None:
-        """Say how the members of an ensemble were chosen, before any is computed.
-
-        Raises:
-            InputError: the folder cannot be written.
-        """
-        with replacing(self.path / DESIGN, needs=len(design), instead="name another folder") as new:
-            new.write_text(design, encoding="utf-8")
+    design: str = ""
 
     def begin(
         self, title: str, rows: Rows, names: Sequence[str], notes: Sequence[str], numbers: Sequence[str]
@@ -88,8 +85,10 @@ class SweepFolder:
             raise InputError(
                 f"{self.path} cannot be written ({error.strerror}); name another folder"
             ) from None
-        with replacing(self.path / MANIFEST, needs=len(text), instead="name another folder") as new:
-            new.write_text(text, encoding="utf-8")
+        for name, content in ((DESIGN, self.design), (MANIFEST, text)):
+            if content:
+                with replacing(self.path / name, needs=len(content), instead="name another folder") as new:
+                    new.write_text(content, encoding="utf-8")
 
     def add(self, name: str, found: Mapping[str, Any], result: AnyResult | None) -> PackedResult | None:
         """Keep a finished member; returns where its result lies, if that is kept.
@@ -110,7 +109,8 @@ class SweepFolder:
     def take(self, names: Sequence[str], found: FoundMembers) -> None:
         """Take what was found of the members with these names.
 
-        Lines that were cut off or changed do not count, and lines of results that are not there.
+        Lines that were cut off or changed do not count, and lines of results that are not there. Of a member that was
+        tried again the line counts in which it is completed, else that in the file that was written last.
 
         Raises:
             InputError: the record of one is damaged.
@@ -130,11 +130,12 @@ class SweepFolder:
             if isinstance(parts[0], PackedResult) and not parts[0].there:
                 continue
             for number in place if isinstance(place, list) else [place]:
-                found[number] = parts
+                if not found.is_completed(number):
+                    found[number] = parts
 
     def _finished(self) -> Iterator[tuple[str, dict[str, Any]]]:
         """Yield names and records of all members that are finished."""
-        for file in sorted((self.path / MEMBERS).glob("*.jsonl")):
+        for file in sorted((self.path / MEMBERS).glob("*.jsonl"), key=_written):
             with file.open(encoding="utf-8", errors="replace") as lines:
                 for line in lines:
                     if line.startswith("{") and line.endswith("}\n"):
@@ -224,6 +225,14 @@ def _writer_name() -> str:
 def _writer(folder: Path, name: str) -> Path:
     """Return the file of whole results of a writer, which all of its members share."""
     return folder / MEMBERS / Path(name).name
+
+
+def _written(path: Path) -> tuple[float, str]:
+    """Return when a file was written last, and its name."""
+    try:
+        return path.stat().st_mtime, path.name
+    except OSError:  # it was removed meanwhile; to open it tells
+        return 0.0, path.name
 
 
 def _number(value: Any) -> float | list[float]:
