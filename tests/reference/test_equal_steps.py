@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+import re
+import warnings
+
 import numpy as np
 import pytest
 
@@ -71,3 +74,27 @@ def test_very_many_periods_of_a_load_are_told_beforehand():
     assert any(said in text for text in stopped.value.run.warnings)
     settings = SimulateSettings(duration=1.0)
     assert many_steps(ErrorControl(3, 1e-4, 1.0), 1.0, settings, (1e-3,)) == ""
+
+
+@pytest.mark.parametrize(("time", "told"), [(None, True), (vr.Ramp(0.0, 0.1), False)])
+def test_a_load_that_begins_at_once_and_rings_for_very_long_is_told(time, told):
+    """A stiff plastic bar creeps for a minute, and rings along its line at 1/4 sqrt(E/rho)/L with the storage modulus.
+
+    Two branches of a tenth of the modulus each are stiff at that frequency: E = 2.4 GPa.
+    """
+    law = vr.Prony(extension_moduli=[2e8, 2e8], extension_times=[10.0, 1.0], constant="poissons_ratio")
+    plastic = vr.Material(2e9, 0.4, 1100.0, damping=law)
+    model = vr.Model()
+    bar = vr.Rod.straight((0, 0, 0), (0.2, 0, 0), section=vr.Circle(0.003), material=plastic)
+    model.add("bar", bar)
+    model.clamp("bar.start")
+    model.force("bar.end", (100.0, 0, 0), time=time)
+    with warnings.catch_warnings(record=True) as caught:
+        warnings.simplefilter("always")
+        with pytest.raises(vr.SolveError, match="enough"):
+            model.simulate(60.0, initial="reference", stop=lambda: "enough")
+    texts = [str(one.message) for one in caught if "ring" in str(one.message)]
+    assert bool(texts) == told
+    if told:
+        frequency = float(re.search(r"ring at ([\d.]+) Hz", texts[0])[1])
+        assert frequency == pytest.approx(np.sqrt(2.4e9 / 1100.0) / 0.8, rel=5e-3)

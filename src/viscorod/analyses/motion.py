@@ -19,6 +19,7 @@ from viscorod.analyses.motion_stepping import (
     integrates_strains,
     integrator_makers,
     many_steps,
+    set_off,
     stepping,
 )
 from viscorod.errors import InputError, SolveError, warn
@@ -94,7 +95,8 @@ def _motion(
     integrator, control, chosen = stepping(
         discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0], start, modes
     )
-    effort = many_steps(control, settings.duration, settings, discrete.problem.periods)
+    ringing = set_off(discrete, settings, modes, start)
+    effort = many_steps(control, settings.duration, settings, discrete.problem.periods, ringing)
     if effort:
         warn(effort, at_once=True)
     halved = halved_steps(discrete, settings, modes, chosen, makers[1])

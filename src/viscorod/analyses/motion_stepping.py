@@ -22,11 +22,11 @@ from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
-from viscorod.solve.transient.participation import Participation, participation
+from viscorod.solve.transient.participation import Participation, participation, periods_set_off
 from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
 
-__all__ = ["halved_steps", "integrates_strains", "integrator_makers", "many_steps", "stepping"]
+__all__ = ["halved_steps", "integrates_strains", "integrator_makers", "many_steps", "set_off", "stepping"]
 
 LEAST_STEPS = 10
 """Steps of a run at least, when steps follow the error."""
@@ -34,6 +34,8 @@ SEEN = 16
 """Slowest vibrations that equal steps are chosen by."""
 MANY = 50_000
 """Steps of a run from which on it is said beforehand that there are so many."""
+STEPS_PER_RINGING = 10
+"""Steps per period that a vibration which is not damped takes, about, by default; 7 to 30 were seen."""
 STEPS_PER_PERIOD = 6
 """Steps per period of harmonic loads and motions at least: an error estimate cannot see what lies between stages."""
 
@@ -106,20 +108,25 @@ def moved_by_loads(discrete: DiscreteModel, settings: SimulateSettings) -> bool:
 
 
 def many_steps(
-    control: StepControl, duration: float, settings: SimulateSettings, periods: Sequence[float] = ()
+    control: StepControl,
+    duration: float,
+    settings: SimulateSettings,
+    periods: Sequence[float] = (),
+    ringing: tuple[float, float] = (0.0, 0.0),
 ) -> str:
-    """Return a warning if steps that the program has chosen, or a harmonic load asks for, are very many, else nothing.
+    """Return a warning if steps that the program has chosen, or vibrations ask for, are very many, else nothing.
 
     Args:
         control: of the steps; duration: of the motion [s]; settings: of it.
         periods: of harmonic loads and motions [s].
+        ringing: frequency [Hz] and number of periods of what the start sets off, see ``periods_set_off``.
     """
     method = INTEGRATORS[settings.integrator]
     if isinstance(control, ErrorControl):
         shortest = min(periods, default=math.inf)
         count = math.ceil(STEPS_PER_PERIOD * duration / shortest)
         if count < MANY:
-            return ""
+            return _rings(*ringing)
         return (
             f"a load or motion of {quantity(1.0 / shortest, 'Hz', 3)} asks for at least {count} steps, "
             f"{STEPS_PER_PERIOD} of each period; if it is what is meant, frequency_response and periodic have the "
@@ -134,6 +141,27 @@ def many_steps(
         f"{method.title} takes {count} equal steps of {quantity(control.time_step, 's', 2)}, which follow the "
         "vibrations about the start; integrator = 'radau' follows the motion that there is in far fewer, and time_step "
         "gives others"
+    )
+
+
+def set_off(
+    discrete: DiscreteModel, settings: SimulateSettings, modes: Callable[[], StartModes], start: State
+) -> tuple[float, float]:
+    """Return frequency [Hz] and number of periods of what loads set off at the start; none if they are not known."""
+    if not discrete.watch.feasible or not moved_by_loads(discrete, settings):
+        return 0.0, 0.0
+    return periods_set_off(discrete.problem, modes(), start, settings.duration, held_part(settings))
+
+
+def _rings(frequency: float, periods: float) -> str:
+    """Return a warning if the start sets off a vibration that asks for very many steps, else nothing."""
+    count = STEPS_PER_RINGING * periods
+    if count < MANY:
+        return ""
+    return (
+        f"what begins at once at the start lets the model ring at {quantity(frequency, 'Hz', 3)}, {periods:.2g} "
+        f"periods long, as the material hardly damps it: that asks for some {count:.1g} steps; if a slow motion is "
+        f"meant, such as creep, let the load grow over some periods (time = Ramp(0, {10.0 / frequency:.2g}))"
     )
 
 

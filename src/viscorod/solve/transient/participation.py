@@ -17,12 +17,16 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.typing import Floats
 
-__all__ = ["Participation", "participation"]
+__all__ = ["Participation", "participation", "periods_set_off"]
 
 PART = 1e-3
 """Amplitude of a vibration, as a part of the motion, below which it does not matter how the steps follow it."""
 LOOKS, MOST_LOOKS = 64, 1024
 """Instants at which loads are looked at, and most of those at which they have corners."""
+TINY = 1e-9
+"""Amplitude over the length of the model, or in rad, below which a vibration is none."""
+FADED = 1e-3
+"""Part of its amplitude at which a vibration is over."""
 FARTHEST = 1.0
 """Motion of a part in lengths of the model, or in rad, from which on it is another one: forces, too, turn with it."""
 
@@ -64,6 +68,30 @@ def participation(
     response += np.abs(modes.shapes.T @ momenta) / modes.omega
     amplitudes = np.array([_size(shape, length) for shape in modes.shapes.T]) * response
     return Participation(modes.omega[amplitudes > PART * moved], max(math.sqrt(faster), begun))
+
+
+def periods_set_off(
+    problem: Problem, modes: StartModes, state: State, duration: float, held: float
+) -> tuple[float, float]:
+    """Return frequency [Hz] and number of periods of the largest vibration that the start sets off, until it fades.
+
+    It is the largest by what acts on the start and is not in balance; 0 periods if all is.
+
+    Args:
+        modes: about the start; state: the start.
+        duration: of the motion [s]; held: part of the loads just before t = 0 that the start is in balance with.
+    """
+    if not len(modes.omega):
+        return 0.0, 0.0
+    forces = _unbalanced(problem, state, 0.0, held)[0].ravel()
+    sizes = np.array([_size(shape, problem.length) for shape in modes.shapes.T])
+    amplitudes = sizes * np.abs(modes.shapes.T @ forces) / modes.omega**2
+    largest = int(np.argmax(amplitudes))
+    if not amplitudes[largest] > TINY:
+        return 0.0, 0.0
+    frequency, decay = float(modes.omega[largest]) / (2.0 * math.pi), float(modes.decay[largest])
+    lasts = min(duration, math.log(1.0 / FADED) / decay) if decay > 0.0 else duration
+    return frequency, frequency * lasts
 
 
 def _unbalanced(problem: Problem, state: State, duration: float, held: float) -> Floats:
