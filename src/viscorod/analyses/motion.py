@@ -22,6 +22,7 @@ from viscorod.analyses.motion_stepping import (
     set_off,
     stepping,
 )
+from viscorod.analyses.second_run import is_needed, told_by_second_run
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import state_arrays
@@ -32,7 +33,6 @@ from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
 from viscorod.results.state_arrays import StateArrays
 from viscorod.results.step_error import force_doubt, motion_doubt
-from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.refinement.noted_states import NotedStates
@@ -153,7 +153,21 @@ def _motion(
     )
     attrs["loop_time_s"] = loop_time
     if halved is not None and result.outcome is Outcome.COMPLETED:
-        attrs |= _estimated_errors(discrete, settings, halved, integrator, start)
+        errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
+        told = errors
+        if errors is not None and is_needed(settings, halved, errors):
+            first = _recorded(discrete, stream, labels)
+            told = told_by_second_run(
+                discrete,
+                settings,
+                errors,
+                first,
+                start,
+                makers[1],
+                lambda: vibrating(linear(), relaxing()),
+                modes,
+            )
+        attrs |= _estimated_errors(discrete, settings, halved, integrator, (errors, told))
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))
@@ -171,16 +185,32 @@ def _estimated_errors(
     settings: SimulateSettings,
     halved: HalvedSteps,
     integrator: Integrator,
-    start: State,
+    errors: tuple[StepErrors | None, StepErrors | None],
 ) -> dict[str, Any]:
-    """Return what a finished motion errs by, by its steps and by its mesh, as attributes."""
+    """Return what a finished motion errs by, by its steps and by its mesh, as attributes.
+
+    Args:
+        errors: of its steps, as they add up in small motions about its start, and as the motion makes them grow.
+    """
     watch = discrete.watch
-    errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
+    summed, told = errors
     see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
     scale = float(settings.initial == "equilibrium")
     if settings.modes is None:  # what modes leave out is not in balance on any mesh
         see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
-    return ({} if errors is None else errors.attributes) | watch.attributes
+    if told is None or summed is None:
+        return watch.attributes
+    watch.grow(told.growth(summed))
+    return told.attributes | watch.attributes
+
+
+def _recorded(discrete: DiscreteModel, stream: Stream, labels: dict[str, str]) -> Run:
+    """Return all states of a run that is over, to be read, before its result is made."""
+    if stream.whole:
+        arrays = _arrays(discrete, stream, discrete.attributes | labels)
+        return Run.later(lambda: arrays)
+    stream.flush()
+    return Run.owning(stream.contents())
 
 
 def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, interrupted: bool) -> Run:

@@ -66,4 +66,5 @@ class Gathered:
             values = self._values.pop(name)
             values.resize((self.count, *values.shape[1:]), refcheck=False)
             (coordinates if coordinate else variables)[name] = xr.Variable(dims, values, attrs)
-        return self._static.assign(variables).assign_coords(coordinates)
+        self._whole = self._static.assign(variables).assign_coords(coordinates)
+        return self._whole

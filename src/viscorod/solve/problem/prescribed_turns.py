@@ -2,14 +2,15 @@
 
 from __future__ import annotations
 
-from itertools import combinations
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import numpy as np
 
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
-from viscorod.model.connections.resolved_places import find
+from viscorod.model.connections.resolved_places import find, position_of
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.typing import Floats
 
@@ -17,68 +18,115 @@ __all__ = ["prescribed_turn"]
 
 LARGEST = 2.0 * np.pi * 200.0
 """Largest prescribed rotation [rad] for which a mesh is chosen; it needs 600 elements of the default order."""
-GROUND = "ground"
+MOST_PARTS = 100
+"""Parts up to which it is found what they may do as rigid ones; beyond, all that is prescribed counts."""
+HELD = 1e5
+"""Weight of what is held beside what is prescribed."""
+
+
+@dataclass(frozen=True)
+class Held:
+    """What a support or a joint holds: its conditions on the motions of rigid parts.
+
+    Attributes:
+        rows: of the six motions of every part, about the origin ``(held, parts, 6)``; displacements over the length.
+        turns: which of the held motions are rotations ``(held,)``.
+        motions: functions of time of the held motions, None where they stay ``(held,)``.
+    """
+
+    rows: Floats
+    turns: np.ndarray
+    motions: list[TimeFunction | None]
 
 
 def prescribed_turn(model: ModelDescription) -> float:
-    """Return the largest rotation [rad] by which prescribed motions turn two places of a model against each other.
+    """Return the largest rotation [rad] by which prescribed motions turn places of a model against each other.
 
-    Those at t = 0 and where functions of time have corners count, of supports and of motors that close a loop. What
-    turns as a whole, such as a blade on a hub, is not turned against anything.
+    Those at t = 0 and where functions of time have corners count, of supports and of motors. What parts do as rigid
+    ones turns nothing against anything: a blade on a hub, a shaft in bearings, the crank of a mechanism. What is
+    prescribed beyond that, to first order in the reference shape, is left to the rods.
     """
-    largest = 0.0
-    supports = model.resolved_supports()
-    if any(support.motion for support in supports):
-        turns = [_turns(support.axes, support.motion) for support in supports if support.held]
-        times = sorted({0.0, *(t for turn in turns for t in turn[0])})
-        at = np.array([[_at(turn, t, before) for turn in turns] for t in times for before in (True, False)])
-        for first, second in combinations(range(len(turns)), 2):
-            largest = max(largest, float(np.linalg.norm(at[:, first] - at[:, second], axis=1).max()))
-    for number, joint in enumerate(model.resolved_joints()):
-        functions = [motion for word, motion in joint.motion.items() if word in MOTIONS[3:]]
-        if functions and _in_loop(model, number):
-            corners = [(t, f) for f in functions for t in (0.0, *f.breakpoints)]
-            largest += max(abs(f.value(t, before)) for t, f in corners for before in (True, False))
-    return largest if largest < LARGEST else 0.0
+    supports, joints = model.resolved_supports(), model.resolved_joints()
+    prescribed = [one.motion for one in supports] + [one.motion for one in joints]
+    functions = [f for motion in prescribed for word, f in motion.items() if word in MOTIONS[3:]]
+    if not functions:
+        return 0.0
+    held = _held(model)
+    times = sorted({0.0, *(t for one in held for f in one.motions if f is not None for t in f.breakpoints)})
+    if len(held[0].rows[0]) > MOST_PARTS:
+        every = max(abs(f.value(t, before)) for f in functions for t in times for before in (True, False))
+        return every if every < LARGEST else 0.0
+    rows = np.concatenate([one.rows for one in held]).reshape(sum(len(one.rows) for one in held), -1)
+    moving = np.array([f is not None for one in held for f in one.motions])
+    rows[~moving] *= HELD
+    values = np.array([_values(held, t, before) for t in times for before in (True, False)]).T
+    left = values - rows @ np.linalg.lstsq(rows, values, rcond=1e-10)[0]
+    turned, first = np.zeros(values.shape[1]), 0
+    for one in held:
+        own = left[first : first + len(one.rows)][one.turns & [f is not None for f in one.motions]]
+        turned += np.linalg.norm(own, axis=0)
+        first += len(one.rows)
+    turn = float(turned.max())
+    return turn if turn < LARGEST else 0.0
 
 
-Turn = tuple[list[float], list[tuple[Floats, TimeFunction]]]
+def _values(held: list[Held], t: float, before: bool) -> list[float]:
+    """Return what is prescribed of all held motions [rad], displacements left out: rods follow them."""
+    return [
+        f.value(t, before) if f is not None and turn else 0.0
+        for one in held
+        for f, turn in zip(one.motions, one.turns, strict=True)
+    ]
 
 
-def _turns(axes: Floats, motion: dict[str, TimeFunction]) -> Turn:
-    """Return the corners of a support's rotations, and the axis and the function of each."""
-    found = [(axes[:, i], motion[word]) for i, word in enumerate(MOTIONS[3:]) if word in motion]
-    return [t for _, function in found for t in function.breakpoints], found
+def _held(model: ModelDescription) -> list[Held]:
+    """Return what supports and joints hold."""
+    parts = _parts(model)
+    length = max((rod.length for rod in model.rods.values()), default=1.0)
+
+    def of(
+        axes: Floats,
+        sides: list[tuple[AnyPlace | None, Floats, float]],
+        words: tuple[str, ...],
+        motion: Mapping[str, TimeFunction],
+    ) -> Held:
+        rows = np.zeros((len(words), max(parts.values()) + 1, 6))
+        for place, at, sign in sides:
+            if place is None:
+                continue
+            mine = parts[place.body if isinstance(place, BodyPlace) else place.rod]
+            for row, word in zip(rows, words, strict=True):
+                k = MOTIONS.index(word)
+                axis = sign * axes[:, k % 3]
+                if k < 3:
+                    row[mine] += np.concatenate([axis, np.cross(at, axis)]) / length
+                else:
+                    row[mine, 3:] += axis
+        return Held(rows, np.array([word in MOTIONS[3:] for word in words]), [motion.get(w) for w in words])
+
+    found = []
+    for support in model.resolved_supports():
+        at, frame = position_of(model, support.place)
+        axes = support.axes if support.axes.any() else frame
+        found.append(of(axes, [(support.place, at, 1.0)], support.held, support.motion))
+    for joint in model.resolved_joints():
+        words = tuple(word for word in MOTIONS if word in joint.held or word in joint.motion)
+        sides = [(joint.a, joint.at_a, 1.0), (joint.b, joint.at_b, -1.0)]
+        found.append(of(joint.frame, sides, words, joint.motion))
+    return [one for one in found if len(one.rows)]
 
 
-def _at(turn: Turn, t: float, before: bool) -> Floats:
-    """Return a prescribed rotation vector [rad]."""
-    return np.asarray(sum((axis * function.value(t, before) for axis, function in turn[1]), np.zeros(3)))
+def _parts(model: ModelDescription) -> dict[str, int]:
+    """Return the number of the part that every rod and body belongs to: attachments make one of several."""
+    names = [*model.rods, *model.bodies]
+    number = {name: k for k, name in enumerate(names)}
 
-
-def _in_loop(model: ModelDescription, number: int) -> bool:
-    """Return whether the two sides of a joint are connected without it, through the ground too."""
-    group: dict[str, str] = {}
-
-    def root(part: str) -> str:
-        while group.setdefault(part, part) != part:
-            part = group[part]
-        return part
-
-    def part_of(place: AnyPlace | None) -> str:
-        if place is None:
-            return GROUND + " "  # no name of a rod or a body has a space
+    def name_of(text: str) -> str:
+        place = find(model, text)
         return place.body if isinstance(place, BodyPlace) else place.rod
 
-    def join(a: str, b: str) -> None:
-        group[root(a)] = root(b)
-
     for attachment in model.attachments:
-        join(part_of(find(model, attachment.a)), part_of(find(model, attachment.b)))
-    for support in model.resolved_supports():
-        join(part_of(support.place), part_of(None))
-    joints = model.resolved_joints()
-    for other, joint in enumerate(joints):
-        if other != number:
-            join(part_of(joint.a), part_of(joint.b))
-    return root(part_of(joints[number].a)) == root(part_of(joints[number].b))
+        one, other = number[name_of(attachment.a)], number[name_of(attachment.b)]
+        number = {name: one if k == other else k for name, k in number.items()}
+    order = {k: place for place, k in enumerate(dict.fromkeys(number.values()))}
+    return {name: order[k] for name, k in number.items()}

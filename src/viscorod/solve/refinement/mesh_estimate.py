@@ -100,6 +100,12 @@ class MeshEstimate:
         most = max(gaps.values())
         return replace(self, gap=self.gap + most, rods=rods, hidden=most - max(seen.values()))
 
+    def grown(self, factor: float) -> MeshEstimate:
+        """Return the estimate with errors of positions that many times as large, at most twice what moves [m]."""
+        most = max(1.0, min(factor, 2.0 * self.sizes[0] / max(self.gap, np.finfo(float).tiny)))
+        rods = {name: most * error for name, error in self.rods.items()}
+        return replace(self, gap=most * self.gap, hidden=most * self.hidden, rods=rods)
+
     def joined(self, other: MeshEstimate | None) -> MeshEstimate:
         """Return the larger errors, and the larger sizes, of two estimates of the same mesh."""
         if other is None:

@@ -285,6 +285,11 @@ class MeshWatch:
         jumping = [self._jumps.at(t, before=before) for t, before in times] if self._jumps.loads else []
         self.estimate = difference(self.finer, carried, found, jumping).joined(self.estimate)
 
+    def grow(self, factor: float) -> None:
+        """Take errors of positions to be so many times as large, as a motion makes those of steps."""
+        if self.estimate is not None and factor > 1.0:
+            self.estimate = self.estimate.grown(factor)
+
     # --- what is said
 
     @property

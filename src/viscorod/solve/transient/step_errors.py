@@ -109,6 +109,11 @@ class StepErrors:
         size = np.maximum(self.loaded, [1e-2 * m / self.length, 1e-2 * n * self.length])
         return float((self.forces / np.maximum(size, np.finfo(float).tiny)).max())
 
+    def growth(self, summed: StepErrors) -> float:
+        """Return how many times as large displacements err as the sum of errors in small motions says, at least 1."""
+        least = LEAST_MOTION * self.length
+        return float(max(1.0, self.gap[0] / max(summed.gap[0], least)))
+
     @property
     def attributes(self) -> dict[str, Any]:
         """What a result says of its steps."""

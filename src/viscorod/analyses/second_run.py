@@ -1,0 +1,145 @@
+"""A motion computed once more with smaller steps: what its steps err by where small motions about its start do not say.
+
+Errors of steps are added up as those of small motions about the start are (``solve.transient.step_errors``). Of parts
+that nothing holds and that turn far that is not true: a body that tumbles about its middle axis, or a double
+pendulum, makes a thousand times as much of an error as a linear motion would. The difference from a second run has it.
+"""
+
+from __future__ import annotations
+
+import logging
+from collections.abc import Callable
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.motion_stepping import stepping
+from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.results.between_records import Instants
+from viscorod.results.probe import PartsRead
+from viscorod.results.run import Run
+from viscorod.results.step_error import MOTION
+from viscorod.solve.formulations.system import State
+from viscorod.solve.history import History, station_reader
+from viscorod.solve.settings.motion import SimulateSettings
+from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.halved_steps import HalvedSteps
+from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
+from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.step_control import FixedSteps, StepControl
+from viscorod.solve.transient.step_errors import FORCE_SAFETY, SAFETY, StepErrors
+from viscorod.solve.transient.transient_solver import Transient
+from viscorod.typing import Floats
+
+__all__ = ["is_needed", "told_by_second_run"]
+
+TURNED = 0.5
+"""Rotation [rad] from which on parts that nothing holds have turned far."""
+BENT = 1.0
+"""Rotation [rad] from which on an estimate that would be warned of is looked at again, whatever holds the parts."""
+PART = 0.3
+"""What steps of the second run may err by, over that of the first one."""
+SHORTER = 0.5
+"""Equal steps of the second run, over those of the first one."""
+INSTANTS = 200
+"""Times at which both runs are compared, about."""
+
+
+def is_needed(settings: SimulateSettings, halved: HalvedSteps, errors: StepErrors) -> bool:
+    """Return whether a linear sum of errors says too little of a motion, or doubts it where it means little."""
+    if settings.dynamics == "linear" or settings.modes is not None:
+        return False
+    if settings.start is not None and halved.problem.relaxing:
+        return False  # what branches hold there is known to the first run alone
+    turned = float(errors.moved[1])
+    free = halved.modes.rigid.shape[1] > 0
+    return (free and turned > TURNED) or (turned > BENT and errors.motion > MOTION)
+
+
+def told_by_second_run(
+    discrete: DiscreteModel,
+    settings: SimulateSettings,
+    errors: StepErrors,
+    run: Run,
+    start: State,
+    make: Callable[..., Integrator],
+    linear: Callable[[], Any],
+    modes: Callable[[], Any],
+) -> StepErrors:
+    """Return the errors of the steps of a motion, from its difference from the same with smaller steps.
+
+    Args:
+        errors: that were added up; run: the motion; start: the state at t = 0.
+        make: makes an integrator with a system of its own; linear, modes: see ``motion_stepping.stepping``.
+
+    Returns:
+        ``errors`` if the second run ends before its time.
+    """
+    logging.getLogger("viscorod").info(
+        "viscorod: the motion is computed again with smaller steps, for the errors of the first ones"
+    )
+    integrator, control, _ = stepping(discrete, settings, linear, make, start, modes)
+    _sharpen(integrator, control)
+    times = _times(settings)
+    transient = Transient(discrete.problem, integrator, control)
+    stop = discrete.options.stop
+    result = transient.run(
+        start.copy(),
+        settings.duration,
+        output_interval=float(times[0]),
+        after_step=(lambda: "") if stop is None else stop,
+        patient=stop is None or getattr(stop, "patient", False),
+    )
+    if result.outcome is not Outcome.COMPLETED:
+        return errors
+    gap, forces = _apart(discrete, run, result.history, times)
+    gap = np.minimum(SAFETY * gap, [np.inf, np.pi])
+    return replace(errors, gap=gap, forces=np.maximum(errors.forces, FORCE_SAFETY * forces))
+
+
+def _sharpen(integrator: Integrator, control: StepControl) -> None:
+    """Let steps err by a part of what they may, or make them shorter."""
+    if isinstance(control, FixedSteps):
+        control.time_step *= SHORTER
+    elif isinstance(integrator, Radau):
+        integrator.step_factor *= PART
+        integrator.newton_factor *= PART**integrator.newton_power
+        integrator.newton_tolerance *= PART**integrator.newton_power
+    elif isinstance(integrator, GeneralizedAlpha) and integrator.step_tolerance is not None:
+        integrator.step_tolerance *= PART**1.5
+
+
+def _times(settings: SimulateSettings) -> Floats:
+    """Return equal times at which both runs are compared ``(k,)`` [s]: stored ones where not every step is stored."""
+    interval = settings.output_interval
+    if interval is None:
+        return np.arange(1.0, INSTANTS + 1.0) * (settings.duration / INSTANTS)
+    count = int(settings.duration / interval * (1.0 + 1e-12) + 1e-9)
+    every = max(1, -(-count // INSTANTS))
+    return np.arange(1.0, count // every + 1.0) * (every * interval)
+
+
+def _apart(discrete: DiscreteModel, run: Run, history: History, times: Floats) -> tuple[Floats, Floats]:
+    """Return the largest differences of positions [m] and rotations [rad], and of section forces [N] and moments [N m].
+
+    Args:
+        run: the first one; history: of the second one, with states at the ``times`` [s].
+    """
+    states = history.states()
+    r, q, _, _ = station_reader(discrete.problem).read(states.r, states.q, states.twist)
+    instants = Instants.of(run.time, times, run.step_ends)
+    there = np.searchsorted(history.instant, times * (1.0 - 1e-9))
+    read = PartsRead(run, instants)
+    moving = read.moving(np.arange(r.shape[1]))
+    assert moving is not None
+    poses = moving[0]
+    far = float(np.linalg.norm(poses.position - r[there], axis=-1).max())
+    turn = product(conjugate(q[there].reshape(-1, 4)), poses.rotation.reshape(-1, 4))
+    sine = float(np.linalg.norm(turn[:, 1:], axis=1).max())
+    forces = instants.fields(read.at("section_force", "point", np.arange(states.section_force.shape[1])))
+    away = (forces - states.section_force[there]).reshape(-1, 2, 3)
+    largest = np.linalg.norm(away, axis=2).max(axis=0, initial=0.0)
+    return np.array([far, 2.0 * np.arcsin(min(sine, 1.0))]), np.asarray(largest)
