@@ -147,7 +147,6 @@ def loose_ends(problem: Problem) -> Iterator[str]:
         return
     nodes, positions, lengths = _ends(problem)
     pairs = _near(positions, TOGETHER * lengths)
-    pairs = pairs[nodes[pairs[:, 0]] != nodes[pairs[:, 1]]]
     if not len(pairs):
         return
     part = _joined(problem)[nodes]
