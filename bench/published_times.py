@@ -6,9 +6,9 @@ GXBeam's are the least of several runs, its compilation done, on the processor n
 of the problems are in the public repository byuflowlab/GXBeam.jl: `benchmark/benchmarks.jl` with
 `benchmarks/baseline_benchmark_jl.txt`, and `test/examples_benchmark.jl` with
 `benchmarks/baseline_examples_sparsediff.txt` (version 1.1.0, May 2026). GXBeam's errors are not published. What is
-timed here is all from the description to the numbers that are compared, with the estimate of the mesh's error, at the
-default tolerance, with the kernels loaded. The error is the largest of these numbers against a finer mesh and
-tolerance: of displacements over the largest one, of frequencies each over itself.
+timed here is all from the description to the numbers that are compared, of motions with the estimate of the mesh's
+error, at the default tolerance, with the kernels loaded. The error is the largest of these numbers against a finer mesh
+and tolerance: of displacements over the largest one, of frequencies each over itself.
 """
 
 from __future__ import annotations

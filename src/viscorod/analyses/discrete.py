@@ -303,10 +303,21 @@ class DiscreteModel:
         complete = self.complete(attrs)
         return partial(dataset, kind, self.problem, self.system.gauss_positions(), history, complete)
 
-    def arrays(self, kind: str, history: History, attrs: dict[str, Any]) -> Callable[[], StateArrays]:
-        """Return what makes the arrays of a history; as a data set they take half as long as a small equilibrium."""
+    def arrays(
+        self,
+        kind: str,
+        history: History,
+        attrs: dict[str, Any],
+        late: Callable[[], dict[str, Any]] | None = None,
+    ) -> Callable[[], StateArrays]:
+        """Return what makes the arrays of a history; as a data set they take half as long as a small equilibrium.
+
+        ``late`` makes attributes that are not known yet.
+        """
         complete = self.complete(attrs)
-        return partial(state_arrays, kind, self.problem, self.system.gauss_positions(), history, complete)
+        return partial(
+            state_arrays, kind, self.problem, self.system.gauss_positions(), history, complete, late
+        )
 
     @property
     def _energy_scale(self) -> float:

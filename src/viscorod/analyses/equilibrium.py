@@ -5,6 +5,8 @@ from __future__ import annotations
 import json
 import logging
 import time
+from collections.abc import Callable
+from functools import partial
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
@@ -73,14 +75,19 @@ class _Equilibrium:
                 self._forget(kept, stops)
                 self._record(factor, state, search.iterations)
             self.ends.append(self.history.count - 1)
-        watch = self.discrete.watch
-        if staged and watch.feasible:
-            begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
-        watch.see(self.history.records[-1].states.at(-1), factor)
+        mesh = self.discrete.watch.once_asked(
+            partial(self._compare_meshes, self.history.records[-1].states.at(-1), factor)
+        )
         found = {"found_by": self._found_by()} | stability_attributes(
             search.stability, inertia_known=self.discrete.inertia_known
         )
-        return self._result(Outcome.COMPLETED, found | watch.attributes)
+        return self._result(Outcome.COMPLETED, found, mesh)
+
+    def _compare_meshes(self, found: Snapshot, factor: float) -> None:
+        watch = self.discrete.watch
+        if self._staged and watch.feasible:
+            begin_stage(watch.finer.static, self.stages[-1], None, 0.0, True)
+        watch.see(found, factor)
 
     def _forget(self, kept: int, stops: tuple[float, ...]) -> None:
         """Forget the load steps to an equilibrium that is not the result; those that were asked for stay."""
@@ -164,7 +171,12 @@ class _Equilibrium:
             return None
         return self._result(search.steps.outcome, {"message": search.failure()})
 
-    def _result(self, outcome: Outcome, more: dict[str, Any]) -> Equilibrium:
+    def _result(
+        self,
+        outcome: Outcome,
+        more: dict[str, Any],
+        late: Callable[[], dict[str, Any]] | None = None,
+    ) -> Equilibrium:
         searches, discrete = self.searches, self.discrete
         effort = sum(search.iterations for search in searches)
         warnings = json.loads(discrete.attributes.get("warnings", "[]")) + self.notes
@@ -179,7 +191,7 @@ class _Equilibrium:
         } | more
         if len(self.stages) > 1:
             attrs["stage_ends"] = json.dumps(self.ends)
-        return Equilibrium.later(discrete.arrays("equilibrium", self.history, attrs))
+        return Equilibrium.later(discrete.arrays("equilibrium", self.history, attrs, late))
 
 
 def require_no_initial_strain(discrete: DiscreteModel) -> None:

@@ -223,7 +223,8 @@ def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, i
         about = discrete.attributes | {"settings": attrs["settings"]} | discrete.complete(attrs)
         arrays = _arrays(discrete, stream, about)
         run = Run.later(lambda: arrays)
-        tell(arrays.attrs, energy_doubt(arrays))
+        arrays.attrs = told = dict(arrays.attrs)
+        tell(told, energy_doubt(arrays))
         if written is not None:
             written.write(run.data)
         return run

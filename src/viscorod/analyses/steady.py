@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from collections.abc import Callable
+from functools import cache, partial
 
 import numpy as np
 
@@ -11,10 +12,11 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import SolveError
+from viscorod.results.state_arrays import Arranged, StateArrays
 from viscorod.results.steady_result import Steady
 from viscorod.shown import counted
 from viscorod.solve.energy_account import EnergyAccount
-from viscorod.solve.formulations.system import State
+from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.damped import REAL
 from viscorod.solve.modes.linearisation import nodal_motions
@@ -26,9 +28,6 @@ from viscorod.solve.steady.rotation_search import Search
 from viscorod.solve.steady.stability import FAR, SLOW, Stability
 from viscorod.solve.steady.steady_checks import require_steady
 from viscorod.solve.steady.steady_rotation import SteadyRotation
-
-if TYPE_CHECKING:
-    import xarray as xr
 
 __all__ = ["steady_rotation"]
 
@@ -48,7 +47,7 @@ def steady_rotation(discrete: DiscreteModel, settings: SteadySettings, first: St
     except KeyboardInterrupt as asked:
         text = f"Stopped after {search.effort.iterations} iterations: {interruption(asked)}"
         raise SolveError(text) from None
-    return Steady(_data_set(discrete, settings, found))
+    return Steady.later(_arrays(discrete, settings, found))
 
 
 def _doubts(stability: Stability) -> list[str]:
@@ -72,8 +71,10 @@ def _doubts(stability: Stability) -> list[str]:
     return doubts
 
 
-def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation) -> xr.Dataset:
-    """Return one state along the dimension ``spin``, with what is special to a rotation."""
+def _arrays(
+    discrete: DiscreteModel, settings: SteadySettings, found: SteadyRotation
+) -> Callable[[], StateArrays]:
+    """Return what makes one state along the dimension ``spin``, with what is special to a rotation."""
     history = History()
     snapshot = Snapshot(
         found.state,
@@ -85,11 +86,12 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         found.elastic,
         found.joints,
     )
-    discrete.watch.see_steady(snapshot, float(np.linalg.norm(found.spin)))
-    account = EnergyAccount(kinetic=found.kinetic, elastic=found.elastic)
-    history.record(float(np.linalg.norm(found.spin)), snapshot, account, 0.0, found.iterations)
+    account, speed = (
+        EnergyAccount(kinetic=found.kinetic, elastic=found.elastic),
+        float(np.linalg.norm(found.spin)),
+    )
+    history.record(speed, snapshot, account, 0.0, found.iterations)
     stability = found.stability
-    s = stability.eigenvalues
     attrs = {
         "outcome": "completed",
         "formulation": settings.formulation,
@@ -100,31 +102,53 @@ def _data_set(discrete: DiscreteModel, settings: SteadySettings, found: SteadyRo
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
         "warnings": json.dumps(json.loads(discrete.attributes.get("warnings", "[]")) + _doubts(stability)),
-    } | discrete.watch.attributes
-    data = discrete.data_set("steady", history, attrs)()
-    kept = s[: settings.modes]
-    problem, count = discrete.problem, len(kept)
-    increments = stability.increments(count)
-    shapes, rotations = station_shapes(problem, found.state, increments)
-    energies = StrainEnergies(discrete.system, found.state, nodal_motions(problem))
-    kinds = energies.kinds(increments)
-    real = np.abs(kept.imag) <= REAL * np.abs(kept)
-    still = np.abs(kept) <= SLOW * np.linalg.norm(found.spin)
-    kinds = ["neutral" if rests else kind for kind, rests in zip(kinds, still, strict=True)]
+    }
+    mesh = discrete.watch.once_asked(partial(discrete.watch.see_steady, snapshot, speed))
+    states = discrete.arrays("steady", history, attrs, mesh)
+    kept = stability.eigenvalues[: settings.modes]
+    more: Arranged = {
+        "spin_vector": ("axis", found.spin),
+        "joint_spin": ("axis", found.body_spin),
+        "centre": ("axis", found.centre),
+        "momentum": ("axis", found.momentum),
+        "eigenvalue": (("small_motion", "part"), np.column_stack([kept.real, kept.imag])),
+    }
+    more |= _of_motions(discrete.system, found, len(kept))
+    return lambda: states().beside(more, {"part": ("real", "imaginary")})
 
-    def parts(values: np.ndarray) -> np.ndarray:
+
+def _of_motions(system: System, found: SteadyRotation, count: int) -> Arranged:
+    """Return what tells of the ``count`` slowest small motions, made when it is asked for."""
+    problem, stability = system.problem, found.stability
+
+    @cache
+    def increments() -> np.ndarray:
+        return stability.increments(count)
+
+    @cache
+    def shapes() -> tuple[np.ndarray, np.ndarray]:
+        return station_shapes(problem, found.state, increments())
+
+    @cache
+    def energies() -> StrainEnergies:
+        return StrainEnergies(system, found.state, nodal_motions(problem))
+
+    def names() -> np.ndarray:
+        kept, kinds = stability.eigenvalues[:count], energies().kinds(increments())
+        real = np.abs(kept.imag) <= REAL * np.abs(kept)
+        still = np.abs(kept) <= SLOW * np.linalg.norm(found.spin)
+        kinds = ["neutral" if rests else kind for kind, rests in zip(kinds, still, strict=True)]
+        return np.array(numbered(kinds, real & ~still), dtype=str)
+
+    def parts(which: int) -> np.ndarray:
+        values = shapes()[which]
         return np.stack([values.real, values.imag], axis=1)
 
-    return data.assign(
-        mode_shape=(("small_motion", "part", "station", "axis"), parts(shapes)),
-        mode_rotation=(("small_motion", "part", "station", "axis"), parts(rotations)),
-        mode_name=("small_motion", np.array(numbered(kinds, real & ~still), dtype=str)),
-        mode_share=(("small_motion", "component"), energies.shares(increments)),
-        mode_residual=("small_motion", stability.residuals(count)),
-        spin_vector=("axis", found.spin),
-        joint_spin=("axis", found.body_spin),
-        centre=("axis", found.centre),
-        momentum=("axis", found.momentum),
-        eigenvalue=(("small_motion", "part"), np.column_stack([kept.real, kept.imag])),
-        part=["real", "imaginary"],
-    )
+    motion = "small_motion"
+    return {
+        "mode_shape": ((motion, "part", "station", "axis"), partial(parts, 0)),
+        "mode_rotation": ((motion, "part", "station", "axis"), partial(parts, 1)),
+        "mode_name": (motion, names),
+        "mode_share": ((motion, "component"), lambda: energies().shares(increments())),
+        "mode_residual": (motion, lambda: stability.residuals(count)),
+    }

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.model.centrelines.line_shapes import Straight
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -22,8 +23,10 @@ FINE = 0.5
 def turning_along(rod: Rod) -> tuple[Floats, Floats]:
     """Return stations, and the angles of the frame there: by the frames, or by the curvature if that is more.
 
-    Frames show the rotation between two stations, but not whole turns.
+    Frames show the rotation between two stations, but not whole turns. A straight rod is only turned about itself.
     """
+    if isinstance(rod.centreline, Straight) and not callable(rod.turn) and not rod.tilted:
+        return np.array([0.0, rod.length]), np.array([0.0, abs(rod.turn)])
     count = SAMPLES
     while True:
         s = np.linspace(0.0, rod.length, count + 1)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -11,7 +12,7 @@ from viscorod.mechanics.elements.section_laws import POWER
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
-from viscorod.results.state_arrays import StateArrays
+from viscorod.results.state_arrays import LateAttributes, StateArrays
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.history import History, Snapshots, StationReader, station_reader
@@ -34,7 +35,12 @@ def dataset(
 
 
 def state_arrays(
-    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
+    kind: str,
+    problem: Problem,
+    gauss: GaussPositions,
+    history: History,
+    attrs: dict[str, Any],
+    late: Callable[[], dict[str, Any]] | None = None,
 ) -> StateArrays:
     """Arrange a history as the arrays of a result that has states.
 
@@ -42,10 +48,12 @@ def state_arrays(
         kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
         problem: the solved one; gauss: positions of its Gauss points.
         history: recorded states.
-        attrs: attributes of the whole data set (see ``schema``).
+        attrs: attributes of the whole data set (see ``schema``); late: what makes those that are not known yet.
     """
     content = _content(kind, problem, gauss, history)
-    return StateArrays(*content, (DIMENSION[kind], np.array(history.instant)), {"kind": kind, **attrs})
+    known = {"kind": kind, **attrs}
+    levels = DIMENSION[kind], np.array(history.instant)
+    return StateArrays(*content, levels, known if late is None else LateAttributes(known, late))
 
 
 def dataset_beside(

@@ -16,6 +16,7 @@ from viscorod.results.between_records import Instants
 from viscorod.results.data_schema import AXES, VARIABLES
 from viscorod.results.element_points import Poses, Stencil
 from viscorod.results.result_places import ResultPlace
+from viscorod.results.state_arrays import StateArrays
 from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
@@ -109,16 +110,22 @@ def history_of(
     """Return one field at a place, or at several, over the states of a result or at instants."""
     import xarray as xr
 
-    stored = quantity in ("position", "displacement") or (quantity == "velocity" and quantity in result.data)
+    data, along = result.stored, result.dimension
+    stored = quantity in ("position", "displacement") or (quantity == "velocity" and quantity in data)
     if isinstance(places, str | int) and s is None and instants is None and stored:
         site = result.sites.at(places)
         name = "velocity" if quantity == "velocity" else "position"
+        over: Any
+        if isinstance(data, StateArrays):  # which has the units of all data sets
+            over, unit = data.along(_about(along), "axis"), _about(name)["units"]
+        else:
+            over, unit = {along: data[along], "axis": list(AXES)}, data[name].attrs["units"]
         return xr.DataArray(
             result.vector(site, quantity),
-            dims=(result.dimension, "axis"),
-            coords={result.dimension: result.data[result.dimension], "axis": list(AXES)},
+            dims=(along, "axis"),
+            coords=over,
             name=quantity,
-            attrs={"units": result.data[name].attrs["units"], "long_name": f"{quantity} of {site.label}"},
+            attrs={"units": unit, "long_name": f"{quantity} of {site.label}"},
         )
     found = of_quantity(probed(result, places, s, instants), quantity)[quantity]
     label = ", ".join(map(str, found["place"].values[:3]))

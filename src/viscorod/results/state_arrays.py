@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
 
@@ -14,7 +14,7 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Arranged", "PlainArray", "StateArrays", "Stored"]
+__all__ = ["Arranged", "LateAttributes", "PlainArray", "StateArrays", "Stored"]
 
 Arranged: TypeAlias = dict[str, tuple[str | tuple[str, ...], np.ndarray | Callable[[], np.ndarray]]]
 """Arrays by name, or what makes them when they are asked for, each after its dimensions."""
@@ -87,6 +87,32 @@ class _Variables(Mapping[str, PlainArray]):
         return (self[name] for name, (_, values) in self._given.items() if not callable(values))
 
 
+class LateAttributes(Mapping[str, Any]):
+    """Attributes of which some are made when one is asked for that is not known.
+
+    Args:
+        known: those that are; make: returns the others.
+    """
+
+    def __init__(self, known: dict[str, Any], make: Callable[[], dict[str, Any]]) -> None:
+        self._known, self._make = known, make
+
+    @cached_property
+    def _all(self) -> dict[str, Any]:
+        found = self._known | self._make()
+        del self._make
+        return found
+
+    def __getitem__(self, name: str) -> Any:
+        return self._known[name] if name in self._known else self._all[name]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self._all)
+
+    def __len__(self) -> int:
+        return len(self._all)
+
+
 @dataclass
 class StateArrays:
     """What the data set of a result is made of.
@@ -101,7 +127,7 @@ class StateArrays:
     coordinates: Arranged
     places: dict[str, tuple[str, ...]]
     levels: tuple[str, Floats]
-    attrs: dict[str, Any] = field(default_factory=dict)
+    attrs: Mapping[str, Any] = field(default_factory=dict)
 
     @cached_property
     def variables(self) -> _Variables:
@@ -125,12 +151,29 @@ class StateArrays:
         """Length of every dimension."""
         return {name: size for array in self.variables.there for name, size in array.sizes.items()}
 
+    def beside(self, arrays: Arranged, places: dict[str, tuple[str, ...]] | None = None) -> StateArrays:
+        """Return the same with more arrays, and names along dimensions of theirs."""
+        return replace(self, arrays=self.arrays | arrays, places=self.places | (places or {}))
+
     def data_set(self) -> xr.Dataset:
         """Return the data set, of the same arrays."""
         import xarray as xr
 
         arrays = {name: self.variables[name] for name in self.arrays}
-        return xr.Dataset(arrays, self._indexed(), attrs=self.attrs)
+        return xr.Dataset(arrays, self._indexed(), attrs=dict(self.attrs))
+
+    def along(self, told: dict[str, str], *others: str) -> xr.Coordinates:
+        """Return the coordinates of an array over the states and ``others``, which have names.
+
+        ``told`` are attributes of that along the states.
+        """
+        import xarray as xr
+
+        known = {name: _names(name, self.places[name]) for name in others}
+        known[self.levels[0]] = _index(*self.levels)
+        variables = {name: variable.copy(deep=False) for name, (_, variable) in known.items()}
+        variables[self.levels[0]].attrs = told
+        return xr.Coordinates(variables, {name: index for name, (index, _) in known.items()})
 
     def _indexed(self) -> xr.Coordinates:
         """Return all coordinates; the indexes of places that have names are made once for all results."""

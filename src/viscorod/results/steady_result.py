@@ -31,7 +31,7 @@ class Steady(LastState):
 
     def _facts(self) -> Iterator[str]:
         yield f"{float(np.linalg.norm(self.spin)):.4g} rad/s"
-        growing = int(self.data.attrs["unstable"])
+        growing = int(self.stored.attrs["unstable"])
         yield (
             f"{counted(growing, 'small motion')} {'grows' if growing == 1 else 'grow'}"
             if growing
@@ -67,17 +67,17 @@ class Steady(LastState):
     @property
     def formulation(self) -> str:
         """The word "geometric" or "intrinsic"."""
-        return str(self.data.attrs["formulation"])
+        return str(self.stored.attrs["formulation"])
 
     @property
     def damping(self) -> str:
         """The word "full" or "linearised"."""
-        return str(self.data.attrs["damping"])
+        return str(self.stored.attrs["damping"])
 
     @property
     def residual(self) -> float:
         """Largest imbalance of a node, as a part of the largest force that balances; 0 is exact."""
-        return float(self.data.attrs["residual"])
+        return float(self.stored.attrs["residual"])
 
     @cached_property
     def eigenvalues(self) -> np.ndarray:
@@ -113,7 +113,7 @@ class Steady(LastState):
         Raises:
             InputError: the result is of a version that kept no shapes.
         """
-        if "mode_shape" not in self.data:
+        if "mode_shape" not in self.stored:
             raise InputError("this result has no shapes of its small motions; compute it again")
         shapes, rotations = (
             self._values(name)[:, 0] + 1j * self._values(name)[:, 1]
@@ -127,7 +127,7 @@ class Steady(LastState):
             rotations=rotations,
             positions=self.field("position", states=-1),
             residuals=self._values("mode_residual"),
-            names=tuple(str(name) for name in self.data["mode_name"].values),
+            names=tuple(str(name) for name in self.stored["mode_name"].values),
             shares=self._values("mode_share"),
             rigid=0,
             certified=True,
@@ -141,17 +141,17 @@ class Steady(LastState):
     @property
     def stable(self) -> bool:
         """True if no small motion grows faster than round-off."""
-        return int(self.data.attrs["unstable"]) == 0
+        return int(self.stored.attrs["unstable"]) == 0
 
     @property
     def growth_rate(self) -> float:
         """The largest rate of growth [1/s] of a small motion; 0 if stable."""
-        return float(self.data.attrs["growth_rate"])
+        return float(self.stored.attrs["growth_rate"])
 
     @property
     def neutral(self) -> int:
         """Number of small motions, both of a conjugate pair, that neither grow nor fade beyond round-off."""
-        return int(self.data.attrs["neutral"])
+        return int(self.stored.attrs["neutral"])
 
     def report(self) -> str:
         """Return a report: the rotation, ends of the rods, energies, stability, the effort, warnings."""
@@ -206,5 +206,5 @@ class Steady(LastState):
         return delivered(draw_modes(self, self.modes, count, number, ax), path)
 
     def _values(self, name: str) -> Floats:
-        values: Floats = np.asarray(self.data[name].values, dtype=float)
+        values: Floats = np.asarray(self.stored[name].values, dtype=float)
         return values

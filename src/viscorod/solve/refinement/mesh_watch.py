@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from functools import cached_property
 from typing import Any
 
@@ -292,6 +293,23 @@ class MeshWatch:
 
     # --- what is said
 
+    def once_asked(self, look: Callable[[], None]) -> Callable[[], dict[str, Any]]:
+        """Return what makes the :attr:`attributes` of a result that nothing but a ``look`` is seen of.
+
+        It looks when they are asked for, at the model as it is now; but at once where the program chooses the mesh and
+        needs them.
+        """
+        if self.free:
+            look()
+            return lambda: self.attributes
+        self.model = ModelDescription.of(**self.model.parts())
+
+        def told() -> dict[str, Any]:
+            look()
+            return self.attributes
+
+        return told
+
     @property
     def unknown(self) -> bool:
         """Whether most of the solutions had no counterpart on a finer mesh."""
@@ -312,7 +330,7 @@ class MeshWatch:
 
     # --- where to refine
 
-    @property
+    @cached_property
     def free(self) -> list[str]:
         """The rods whose mesh the program may choose."""
         return free_rods(self.model)

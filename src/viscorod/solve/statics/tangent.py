@@ -16,7 +16,15 @@ from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.work import Work
 from viscorod.typing import Floats, Integers
 
-__all__ = ["SMALL", "Tangent", "negative_eigenvalues", "softest", "surely_positive"]
+__all__ = [
+    "SMALL",
+    "Tangent",
+    "factor_without_exchanges",
+    "negative_eigenvalues",
+    "softest",
+    "surely_positive",
+    "surely_positive_factors",
+]
 
 ROUND_OFF = 32.0 * float(np.finfo(float).eps)
 """Rounding of the entries of a stiffness and of its pivots, as a part of the sum of a row's entries."""
@@ -105,6 +113,16 @@ def surely_positive(matrix: Floats) -> bool:
     return bool(np.isfinite(scale).all())
 
 
+def surely_positive_factors(matrix: sparse.csc_array) -> Any | None:
+    """Return the factors of a sparse symmetric matrix that stays positive definite like that, else None."""
+    scale = np.asarray(abs(matrix).sum(axis=1)).ravel()
+    size = np.maximum(scale, NEUTRAL * float(scale.mean()))
+    lowered = factor_without_exchanges(sparse.csc_array(matrix - sparse.diags_array(ROUND_OFF * size)))
+    if lowered is None or not (lowered.U.diagonal() > 0.0).all():
+        return None
+    return factor_without_exchanges(matrix)
+
+
 def _negative_work(work: Work, motions: Floats) -> int:
     """Return how many combinations of motions do negative work."""
     form, _ = work.form(motions)
@@ -187,11 +205,11 @@ class _Pivots:
 
     def _free(self, stiffness: sparse.csc_array) -> int:
         size = stiffness.shape[0]
-        factor = _factor(stiffness, "MMD_AT_PLUS_A")
+        factor = factor_without_exchanges(stiffness)
         if factor is None and size > FULL:
             scale = float(np.abs(stiffness.diagonal()).mean())
-            factor = _factor(
-                sparse.csc_array(stiffness + NEUTRAL * scale * sparse.eye_array(size)), "MMD_AT_PLUS_A"
+            factor = factor_without_exchanges(
+                sparse.csc_array(stiffness + NEUTRAL * scale * sparse.eye_array(size))
             )
         if factor is None:  # exactly singular: a neutral direction, which is not a negative one
             return int(np.count_nonzero(_all_eigenvalues(stiffness) < 0.0))
@@ -222,7 +240,7 @@ class _Pivots:
         for neutral in (0.0, NEUTRAL, 1e2 * NEUTRAL):
             stiffness = stiffness + neutral * sparse.eye_array(size)
             whole = sparse.csc_array(sparse.block_array([[stiffness, held.T], [held, None]]))
-            factor = _factor(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
+            factor = factor_without_exchanges(sparse.csc_array(whole[rows][:, rows]), "NATURAL")
             if factor is not None:
                 break
         else:
@@ -262,8 +280,8 @@ def _all_eigenvalues(matrix: sparse.csc_array) -> np.ndarray:
     return np.asarray(scipy.linalg.eigvalsh(matrix.toarray()))
 
 
-def _factor(matrix: sparse.csc_array, order: str) -> Any | None:
-    """Return the factors of a symmetric matrix without row exchanges; None if a pivot vanishes.
+def factor_without_exchanges(matrix: sparse.csc_array, order: str = "MMD_AT_PLUS_A") -> Any | None:
+    """Return the factors of a symmetric or Hermitian matrix without row exchanges; None if a pivot vanishes.
 
     By Sylvester's law of inertia the signs of the pivots are those of the eigenvalues, and unlike the eigenvalues
     themselves they do not drown in the round-off of the stiffest directions.

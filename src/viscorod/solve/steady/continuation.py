@@ -9,6 +9,7 @@ import numpy as np
 
 from viscorod.errors import SolveError
 from viscorod.solve.steady.steady_equations import Measure, SteadyEquations, least_squares
+from viscorod.typing import Floats
 
 TOLERANCE = 1e-10
 """Last change of the unknowns, in sizes of theirs."""
@@ -52,18 +53,13 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Ite
     with np.errstate(all="ignore"):
         for _ in range(ITERATIONS):
             effort.check_interrupt()
-            balance = equations.balance()
-            value, slope = equations.measure(kind)
-            if not (np.isfinite(balance.matrix.sum()) and np.isfinite(slope).all()):
-                break
-            sizes = equations.scales()
-            right = -np.append(balance.residual, value - target)
-            try:
-                change = least_squares(balance.with_row(slope), right, sizes)
-            except SolveError:
+            change = equations.change_at_spin() if kind == "spin" else None
+            if change is None:
+                change = _smallest_change(equations, kind, target)
+            if change is None:
                 break
             effort.iterations += 1
-            size = float(np.abs(change / sizes).max())
+            size = float(np.abs(change / equations.scales()).max())
             if not size < 1e3:
                 break
             equations.update(change)
@@ -80,6 +76,19 @@ def newton(equations: SteadyEquations, kind: Measure, target: float, effort: Ite
             before = size
     equations.restore(kept)
     return False
+
+
+def _smallest_change(equations: SteadyEquations, kind: Measure, target: float) -> Floats | None:
+    """Return the smallest change that solves the linearised equations best; None if they are not finite."""
+    balance = equations.balance()
+    value, slope = equations.measure(kind)
+    if not (np.isfinite(balance.matrix.sum()) and np.isfinite(slope).all()):
+        return None
+    right = -np.append(balance.residual, value - target)
+    try:
+        return least_squares(balance.with_row(slope), right, equations.scales())
+    except SolveError:
+        return None
 
 
 def continue_to(

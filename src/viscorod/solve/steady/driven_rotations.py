@@ -11,7 +11,6 @@ from viscorod.errors import SolveError
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
-from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -118,15 +117,11 @@ class DrivenRotations:
         equations.set_spin(speed)
         for _ in range(QUICK):
             self._search.effort.check_interrupt()
-            balance = equations.balance()
-            sizes = equations.scales()
-            try:
-                factor = SparseLU(sparse.csc_array(balance.matrix)[:, :-1])
-            except RuntimeError:
+            change = equations.change_at_spin()
+            if change is None:
                 break
-            change = np.append(factor.solve(-balance.residual), 0.0)
             self._search.effort.iterations += 1
-            size = float(np.abs(change / sizes).max())
+            size = float(np.abs(change / equations.scales()).max())
             if not size < FAR:
                 break
             equations.update(change)

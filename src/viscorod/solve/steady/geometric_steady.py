@@ -22,22 +22,28 @@ from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.constraint_rows import gradients_of_gaps
+from viscorod.solve.constraints.free_block import free_block
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.element_forces import GeometricForces
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.problem.external_loads import LoadState
 from viscorod.solve.statics.stability import circulatory
 from viscorod.solve.statics.static_solver import position_noise
 from viscorod.solve.steady.branch_springs import branch_springs
 from viscorod.solve.steady.continuation import LARGEST_GAP
 from viscorod.solve.steady.free_motions import FreeMotions
+from viscorod.solve.steady.lossless_motions import LosslessMotions
 from viscorod.solve.steady.rigid_rotation import RotationAxis, coriolis, rigid_twists
 from viscorod.solve.steady.stability import FULL, FirstOrder, SecondOrder, first_order
 from viscorod.solve.steady.steady_checks import SupportKind, no_loads, support_kind
 from viscorod.solve.steady.steady_equations import Balance, Measure, Tangent, imbalance
 from viscorod.solve.transient.integrators import jacobian
 from viscorod.typing import Floats, Integers
+
+FREE = 1e9
+"""Answer to forces, of unit size like these, beyond which something moves freely, or may do."""
 
 
 class GeometricSteady:
@@ -69,9 +75,10 @@ class GeometricSteady:
         n = self.problem.size
         self.system.constraints.update(0.0)
         self._internal = np.zeros((n, 6))
-        self._matrix = Matrix(self.problem.pattern)
+        self._matrix = Matrix(self.problem.pattern, self.problem.length, lambda: self.problem.plan)
         self._K, self._C = np.zeros((2, *self._matrix.blocks.shape))
         self._operators = Operators.of(self.elements)
+        self._random = np.random.default_rng(1).standard_normal((len(self._matrix.scales) // 6, 6))
         self._state, self.rate = state, rate
 
     def state(self) -> State:
@@ -93,28 +100,56 @@ class GeometricSteady:
     def balance(self) -> Balance:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
         state, supports, n = self.state(), self.supports, self.problem.size
-        forces, gap = self.residual()
+        residual = self._imposed(state)
+        column = np.zeros(residual.size)
+        # inertial forces are quadratic in the angular speed
         inertial = coriolis(self.problem.mass, state.twist)
+        by_rate = 2.0 / self.rate * inertial - self._external_by_rate(state)
+        column[supports.free_rows()] = supports.free_basis(state).T @ by_rate.ravel()
+        matrix = sparse.csr_array(sparse.hstack([self._matrix.sparse(), sparse.csr_array(column[:, None])]))
+        return Balance(residual.ravel(), matrix if 6 * n > FULL else matrix.toarray())
+
+    def change_at_spin(self) -> Floats | None:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`.
+
+        With the factors of statics, once the answer to random forces has shown that nothing moves freely.
+        """
+        n, matrix = 6 * self.problem.size, self._matrix
+        residual = self._imposed(self.state())
+        sizes = self.scales()[:-1].reshape(-1, 6)
+        rows, columns = matrix.pattern.rows, matrix.pattern.columns
+        largest: Floats = np.zeros_like(residual)
+        np.maximum.at(largest, rows, np.abs(matrix.blocks * sizes[columns, :, None]).max(axis=1))
+        try:
+            matrix.factorise()
+        except SingularMatrixError:
+            return None
+        answer = matrix.solve(self._random * largest)
+        if not np.abs((answer / sizes).ravel()[:n]).max() < FREE:
+            return None
+        return np.append(matrix.solve(-residual).ravel(), 0.0)
+
+    def _imposed(self, state: State) -> Floats:
+        """Return the residual ``(N, 6)`` with supports, conditions and all; fills the matrix with its derivative."""
+        forces, _, _ = self._unbalanced(state)
         stress = self._points.section_force[0] if self._carried is None else self._carried
         self._linearise(state, stress)
         self._matrix.blocks[:] = self._K
         constraints = self.system.constraints
         residual = np.concatenate([forces, (constraints.scale * constraints.gap).reshape(-1, 6)])
-        supports.impose(state, residual, self._matrix, tangent=True)
-        column = np.zeros(residual.size)
-        # inertial forces are quadratic in the angular speed
-        by_rate = 2.0 / self.rate * inertial - self._external_by_rate(state)
-        column[supports.free_rows()] = supports.free_basis(state).T @ by_rate.ravel()
-        matrix = sparse.csr_array(sparse.hstack([self._matrix.sparse(), sparse.csr_array(column[:, None])]))
-        return Balance(residual.ravel(), matrix if 6 * n > FULL else matrix.toarray(), gap)
+        self.supports.impose(state, residual, self._matrix, tangent=True)
+        return residual
+
+    def _unbalanced(self, state: State) -> tuple[Floats, Floats, Floats]:
+        """Return what is left of the balance before supports, loads and inertial forces ``(n, 6)``."""
+        self._evaluate(state)
+        external, inertial = self._external(state), coriolis(self.problem.mass, state.twist)
+        return self._internal - external + inertial, external, inertial
 
     def residual(self) -> tuple[Floats, float]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`; supports keep their reactions."""
         state, problem = self.state(), self.problem
-        self._evaluate(state)
-        external = self._external(state)
-        inertial = coriolis(problem.mass, state.twist)
-        residual = self._internal - external + inertial
+        residual, external, inertial = self._unbalanced(state)
         left = residual.copy()
         self.supports.impose(state, left, self._matrix, tangent=False)
         left = self.supports.unbalanced(left)
@@ -127,11 +162,7 @@ class GeometricSteady:
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
-        state, mass = self.state(), self.problem.mass
-        self._evaluate(state)
-        inertial = coriolis(mass, state.twist).ravel()
-        T, rate = kinetic_energy(mass, state.twist), self.rate
-        W, internal = self.elastic_energy(), self._internal.ravel()
+        mass, rate = self.problem.mass, self.rate
         conditions = np.zeros(6 * self.problem.multipliers)
 
         def slope(by_poses: Floats, by_rate: float) -> Floats:
@@ -139,6 +170,11 @@ class GeometricSteady:
 
         if kind == "spin":
             return rate, slope(np.zeros(6 * len(mass)), 1.0)
+        state = self.state()
+        self._evaluate(state)
+        inertial = coriolis(mass, state.twist).ravel()
+        T = kinetic_energy(mass, state.twist)
+        W, internal = self.elastic_energy(), self._internal.ravel()
         if kind == "energy":
             return T + W, slope(internal - inertial, 2.0 * T / rate)
         if kind == "momentum":
@@ -162,11 +198,11 @@ class GeometricSteady:
         if self._carried is None:
             self._carried = np.zeros_like(e.reference)
         local = increment[e.nodes].reshape(len(e.nodes), -1)
-        for a, count in enumerate(6 * e.order):
-            carried = self._operators.force[a, :count, : count + 6] @ local[a, : count + 6]
-            self._carried[a, : e.order[a]] = self._points.section_force[0, a, : e.order[a]] + carried.reshape(
-                -1, 6
-            )
+        for order in np.unique(e.order):
+            some = np.flatnonzero(e.order == order)
+            operators = self._operators.force[some, : 6 * order, : 6 * order + 6]
+            carried = np.matmul(operators, local[some, : 6 * order + 6, None]).reshape(len(some), order, 6)
+            self._carried[some, :order] = self._points.section_force[0, some, :order] + carried
         state.multiplier = state.multiplier + self.system.multiplier_change(whole)
         self._carried[held.element, held.point, held.component] = state.multiplier[held.place] / held.weight
         retract(state.r, state.q, np.ascontiguousarray(increment), state.r, state.q)
@@ -187,14 +223,40 @@ class GeometricSteady:
         self._evaluate(self.state())
         return self._points.strain[0].copy(), self._points.section_force[0].copy()
 
-    def small_motions(self) -> FirstOrder:
+    def small_motions(self) -> FirstOrder | LosslessMotions:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
-        return first_order(*self.motions_of_second_order(), self.rate)
+        lossless = self._lossless_motions()
+        return first_order(*self.motions_of_second_order(), self.rate) if lossless is None else lossless
+
+    def _lossless_motions(self) -> LosslessMotions | None:
+        """Return the small motions if nothing damps or drives them and their stiffness is positive, else None.
+
+        A node that is held completely leaves no motions that only copy the rotation.
+        """
+        problem, supports = self.problem, self.supports
+        held = len(supports.complete) > 0 and len(supports.partial) == 0 and not self.system.constraints.rows
+        if not held or problem.relaxing or circulatory(self.loads) or self.loads.sees_motion:
+            return None
+        try:
+            np.linalg.cholesky(problem.mass)
+        except np.linalg.LinAlgError:
+            return None
+        state = self.state()
+        self._evaluate(state)
+        self._linearise(state, self._points.section_force[0])
+        inertia = np.zeros_like(self._K)
+        inertia[problem.pattern.diagonal[: problem.size]] = problem.mass
+        part = free_block(problem)
+        basis = supports.free_basis(state)
+        basis.data *= part.unit
+        return LosslessMotions.of(
+            part.matrix(inertia), part.matrix(self._C), part.matrix(self._K), sparse.csc_array(basis)
+        )
 
     def motions_of_second_order(self) -> tuple[SecondOrder, FreeMotions, list[Floats]]:
         """Return the small motions before supports, those that are free, and the motions to copies of the rotation."""
         state = self.state()
-        self.balance()
+        self._evaluate(state)
         ad = self._linearise(state, self._points.section_force[0])
         size = 6 * self.problem.size
         stiffness, damping = (

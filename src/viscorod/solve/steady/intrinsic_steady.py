@@ -86,7 +86,11 @@ class IntrinsicSteady:
             row = np.concatenate([np.zeros(self.strain.size), travel.ravel()])[self._columns]
             matrix = np.vstack([matrix, row])
             residual = np.append(residual, float(np.sum(p[:, :3] * self.twist[:, 3:])))
-        return Balance(residual, matrix, self._gap(rates, force, inertial))
+        return Balance(residual, matrix)
+
+    def change_at_spin(self) -> Floats | None:
+        """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""
+        return None
 
     def measure(self, kind: Measure) -> tuple[float, Floats]:
         """See :class:`~viscorod.solve.steady.steady_equations.SteadyEquations`."""

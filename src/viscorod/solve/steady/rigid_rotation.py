@@ -29,10 +29,12 @@ def rigid_twists(
     Args:
         r, q: poses; linear: velocity of the point ``centre`` [m/s]; angular: angular velocity [rad/s], global axes.
     """
-    R = matrices(q)
-    velocity = np.asarray(linear) + np.cross(angular, r - centre)
-    spin = np.broadcast_to(np.asarray(angular, dtype=float), r.shape)
-    return np.hstack([np.einsum("nji,nj->ni", R, velocity), np.einsum("nji,nj->ni", R, spin)])
+    R, spin = matrices(q), np.asarray(angular, dtype=float)
+    motion = np.empty((len(r), 2, 3))
+    motion[:, 0] = np.asarray(linear) + (r - centre) @ skew(spin[None])[0].T
+    motion[:, 1] = spin
+    twists: Floats = np.matmul(motion, R).reshape(-1, 6)
+    return twists
 
 
 def spatial_momenta(

@@ -18,6 +18,7 @@ from scipy import sparse
 from viscorod.solve.steady.branch_springs import BranchSprings
 from viscorod.solve.steady.free_motions import FreeMotions
 from viscorod.solve.steady.growth_limits import GrowthLimits, growth_limits
+from viscorod.solve.steady.lossless_motions import LosslessMotions
 from viscorod.solve.steady.quadratic_pencil import QuadraticPencil
 from viscorod.solve.steady.root_counts import growing
 from viscorod.solve.steady.slow_motions import MOST, Found, slow_motions
@@ -78,6 +79,12 @@ class FirstOrder:
         copies = 0 if self.pencil is None else self.pencil.Z.shape[1]
         return int(self.mass.shape[0]) - copies
 
+    def residuals(self, s: np.ndarray, z: np.ndarray) -> Floats:
+        """Return what motions (columns) leave of each equation, as a part of what adds up to it."""
+        left = np.abs(self.matrix @ z - s * (self.mass @ z))
+        size = self.magnitude @ np.abs(z) + np.abs(s) * (abs(self.mass) @ np.abs(z))
+        return np.asarray((left.max(axis=0, initial=0.0)) / np.maximum(size.max(axis=0, initial=0.0), 1e-300))
+
 
 @dataclass(frozen=True)
 class Stability:
@@ -88,7 +95,7 @@ class Stability:
     tells whether it is proved that none that grows is missing, ``complete`` whether none of those listed is.
     """
 
-    system: FirstOrder
+    system: FirstOrder | LosslessMotions
     eigenvalues: np.ndarray
     vectors: np.ndarray
     unstable: int
@@ -107,10 +114,7 @@ class Stability:
 
     def residuals(self, count: int) -> Floats:
         """Return what the ``count`` slowest motions leave of each equation, as a part of what adds up to it."""
-        s, z = self.eigenvalues[:count], self.vectors[:, :count]
-        left = np.abs(self.system.matrix @ z - s * (self.system.mass @ z))
-        size = self.system.magnitude @ np.abs(z) + np.abs(s) * (abs(self.system.mass) @ np.abs(z))
-        return np.asarray((left.max(axis=0, initial=0.0)) / np.maximum(size.max(axis=0, initial=0.0), 1e-300))
+        return self.system.residuals(self.eigenvalues[:count], self.vectors[:, :count])
 
 
 def first_order(small: SecondOrder, free: FreeMotions, copies: Sequence[Floats], rate: float) -> FirstOrder:
@@ -190,8 +194,8 @@ def _with_branches(
     )
 
 
-def stability(system: FirstOrder, rate: float, count: int) -> Stability:
-    """Return the eigenvalues of ``mass z' = matrix z``: all of them, or of large systems the slowest.
+def stability(system: FirstOrder | LosslessMotions, rate: float, count: int) -> Stability:
+    """Return the eigenvalues of ``mass z' = matrix z``: all of them, or of large and of lossless systems the slowest.
 
     They are found from those of ``(matrix - s0 mass)^-1 mass``, so that slow ones are accurate however stiff the fast
     ones are. Round-off moves ``s`` by up to ``|y| |error| |x| / |y mass x|`` with its left and right vectors: much
@@ -202,12 +206,16 @@ def stability(system: FirstOrder, rate: float, count: int) -> Stability:
     Args:
         rate: angular speed [rad/s], by which s0 is chosen; count: how many of the slowest are wanted.
     """
+    if isinstance(system, LosslessMotions):
+        found = system.slowest(count)
+        s = 1j * found.frequencies
+        return Stability(system, s, found.motions, 0, system.size, 0.0, complete=found.complete)
     shift = 0.37 * rate  # no eigenvalue of its own, and slow
     certified = complete = True
     limits = system.limits
     if system.pencil is not None:
-        found, certified = _of_iteration(system.pencil, shift, limits, rate, count)
-        s, left, right, complete = found.roots, found.left, found.right, found.certified
+        slow, certified = _of_iteration(system.pencil, shift, limits, rate, count)
+        s, left, right, complete = slow.roots, slow.left, slow.right, slow.certified
         theta = 1.0 / (s - shift)
         error, overlap = _products(system, left, right)
     else:
@@ -234,7 +242,7 @@ def stability(system: FirstOrder, rate: float, count: int) -> Stability:
     if system.relaxing:  # branches that relax hardly move anything, and there are very many of them
         upper &= (s.real >= 0.0) | (s.imag > np.abs(s.real))
     if system.pencil is not None and complete:
-        upper &= np.abs(s) <= found.reach - shift  # beyond, slower ones may be missing
+        upper &= np.abs(s) <= slow.reach - shift  # beyond, slower ones may be missing
     s, right = s[upper], right[:, upper]
     order = np.argsort(np.abs(s), kind="stable")
     return Stability(system, s[order], right[:, order], unstable, neutral, growth, certified, complete)

@@ -10,6 +10,7 @@ import scipy.linalg
 from scipy import sparse
 
 from viscorod.solve.formulations.system import State
+from viscorod.solve.steady.lossless_motions import LosslessMotions
 from viscorod.solve.steady.rigid_rotation import RotationAxis
 from viscorod.solve.steady.sparse_least_squares import smallest_solution
 from viscorod.solve.steady.stability import FirstOrder
@@ -25,15 +26,10 @@ RANK = 1e-12
 
 @dataclass
 class Balance:
-    """A linearisation: ``matrix (m, k) @ change = -residual (m,)``, sparse where it is large.
-
-    Attributes:
-        gap: largest component of the residual over what the forces that balance amount to, per component.
-    """
+    """A linearisation: ``matrix (m, k) @ change = -residual (m,)``, sparse where it is large."""
 
     residual: Floats
     matrix: Floats | sparse.csr_array
-    gap: float
 
     def with_row(self, row: Floats) -> Floats | sparse.csr_array:
         """Return the matrix with one more row ``(k,)``."""
@@ -67,6 +63,12 @@ class SteadyEquations(Protocol):
     def balance(self) -> Balance:
         """Return residual and derivative at the present unknowns."""
 
+    def change_at_spin(self) -> Floats | None:
+        """Return the change of the unknowns ``(k,)`` that balances them at the present angular speed.
+
+        None where that is not told quickly, or where more than one does: where something moves freely.
+        """
+
     def measure(self, kind: Measure) -> tuple[float, Floats]:
         """Return the value of a scalar measure and its derivative ``(k,)`` by the unknowns."""
 
@@ -97,7 +99,7 @@ class SteadyEquations(Protocol):
     def elastic_energy(self) -> float:
         """Return the elastic energy [J] at the last residual or measure."""
 
-    def small_motions(self) -> FirstOrder:
+    def small_motions(self) -> FirstOrder | LosslessMotions:
         """Return the matrices of small motions at the present state."""
 
 
