@@ -11,6 +11,7 @@ import xarray as xr
 import viscorod as vr
 from viscorod.analyses.derivatives import motions
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
+from viscorod.analyses.derivatives.mode_shapes import ShapeRates
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.provenance import material_record
 from viscorod.analyses.start_state import StartState
@@ -73,7 +74,13 @@ def extrapolated(function, value, step):
     return (4.0 * second - first) / 3.0
 
 
-ASSEMBLY = ("rods.beam.end[0]", "loads[1].value[1]", "bodies.tip.mass", "joints[0].axis[2]")
+ASSEMBLY = (
+    "rods.beam.end[0]",
+    "loads[1].value[1]",
+    "bodies.tip.mass",
+    "joints[0].axis[0]",  # the axis is a global one, beside which others are chosen across it
+    "joints[0].axis[2]",
+)
 
 
 STORED = ("position", "rotation", "strain", "elastic", "joint_value")
@@ -505,6 +512,7 @@ def test_a_value_with_its_gradient_goes_to_an_optimiser():
     [
         ("rods.beam.elements", "this is a whole number"),
         ("rods.beam.section.breadth", "there is no such number"),
+        ("rods.beam.section.shear_factor_1", "it has no value here"),
         ("materials.steel.density", "the names here are rubber"),
         ("loads[7].value[0]", "the first is"),
         ("simulate.duration", "setting of the analysis"),
@@ -515,6 +523,38 @@ def test_a_value_with_its_gradient_goes_to_an_optimiser():
 def test_what_is_no_number_of_a_model_is_refused_by_its_key(key, text):
     with pytest.raises(InputError, match=text):
         swing().equilibrium(derivatives=[key])
+
+
+def test_numbers_of_directions_of_supports():
+    """Extrapolated differences: components of a direction along a global axis, across which axes could be others."""
+    model = swing()
+    model.roller("beam.end", normal=(0, 0, 1))
+    for key in ("supports[1].normal[0]", "supports[1].normal[1]"):
+        found = model.equilibrium(derivatives=[key]).derivatives[key]
+
+        def tip(value, key=key):
+            return with_values(model, {key: value}).equilibrium().data["position"].values[-1]
+
+        expected = extrapolated(tip, found.value, 1e-3)
+        mine = found.data["position"].values[-1]
+        np.testing.assert_allclose(mine, expected, atol=1e-7 * np.abs(expected).max(), err_msg=key)
+
+
+def test_shapes_are_computed_when_they_are_read(monkeypatch):
+    """Frequencies alone need no derivatives of shapes; those of the data set have them."""
+    seen = []
+    near = ShapeRates.near
+
+    def counted(self, *args):
+        seen.append(1)
+        return near(self, *args)
+
+    monkeypatch.setattr(ShapeRates, "near", counted)
+    found = swing().modes(2, derivatives=[E]).derivatives[E]
+    assert np.all(found.frequencies > 0.0)
+    assert not seen
+    assert np.isfinite(found.data["mode_shape"].values).all()
+    assert len(seen) == len(found.parts)
 
 
 def test_numbers_of_shared_and_named_parts():

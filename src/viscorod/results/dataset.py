@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -57,22 +57,34 @@ def state_arrays(
 
 
 def dataset_beside(
-    result: xr.Dataset, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
+    result: xr.Dataset,
+    problem: Problem,
+    gauss: GaussPositions,
+    history: History,
+    attrs: dict[str, Any],
+    more: Mapping[str, Floats | Callable[[], Floats]] | None = None,
 ) -> xr.Dataset:
     """Arrange a history of a model that differs from that of a ``result`` in numbers only, in the same states.
 
-    Names, units and indexes are those of the result; to make them again takes three quarters of :func:`dataset`.
+    Names, units and indexes are those of the result; to make them again takes three quarters of :func:`dataset`. What
+    takes long to compute is computed when it is read.
+
+    Args:
+        more: other variables of the result, or what makes them.
     """
+    from viscorod.results.deferred_array import defer
+
     kind = str(result.attrs["kind"])
     variables, coordinates, _ = _content(kind, problem, gauss, history)
-    beside = [
-        name for name in result.data_vars if name not in variables
-    ]  # what the mesh makes wrong, for one
+    given = {name: values for name, (_, values) in (variables | coordinates).items()} | dict(more or {})
+    beside = [name for name in result.data_vars if name not in given]  # what the mesh makes wrong, for one
     found = result.drop_vars(beside) if beside else result.copy()
-    for name, given in (variables | coordinates).items():
-        values = np.asarray(given[1]() if callable(given[1]) else given[1])
-        if values.dtype.kind in "fi":
-            found.variables[name].data = values
+    for name, values in given.items():
+        variable = found.variables[name]
+        if callable(values):
+            defer(variable, values)
+        elif (numbers := np.asarray(values)).dtype.kind in "fi":
+            variable.data = numbers
     found.attrs = {"kind": kind, **attrs}
     return found
 

@@ -193,6 +193,9 @@ def _number(
             place = place[word]
         except (KeyError, IndexError, TypeError):
             words = _words(place, owner)
+            if word in words:
+                why = "it has no value here, and is not a number of this model"
+                raise InputError(Fault("derivatives", show(key), why, "give it one in the model")) from None
             known = some_of(words) if words else show(place)
             hint = did_you_mean(word, words, str) if words else ""
             raise InputError(

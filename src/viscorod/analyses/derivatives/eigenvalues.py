@@ -7,15 +7,16 @@ equilibrium that changes too. Of eigenvalues that fall together only the mean ha
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import cache, cached_property, partial
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from scipy import sparse
 
 from viscorod.analyses.derivatives.differentiate import record_static
-from viscorod.analyses.derivatives.mode_shapes import ShapeRate, ShapeRates
-from viscorod.analyses.derivatives.neighbours import STEP, Neighbours
+from viscorod.analyses.derivatives.mode_shapes import SHAPES, MovingVectors, ShapeRate, ShapeRates
+from viscorod.analyses.derivatives.neighbours import STEP, Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
@@ -27,10 +28,15 @@ from viscorod.results.modes_result import Modes
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History
 from viscorod.solve.linear.sparse_lu import SparseLU
+from viscorod.solve.linear_systems.dynamic_stiffness import aligned
 from viscorod.solve.linear_systems.small_motions import SmallMotions, small_motions
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.typing import Floats
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 __all__ = ["Pencil", "groups_of", "modes_derivatives"]
 
@@ -69,29 +75,33 @@ def modes_derivatives(
     vectors = [pencil.vectors(complex(np.mean(result.eigenvalues[group])), len(group)) for group in groups]
     shapes = ShapeRates(
         {
-            group[0]: ShapeRate(pencil.at(s), pencil.slope(s), right[:, 0])
+            group[0]: ShapeRate(pencil, s, right[:, 0])
             for group, (s, right, _, _) in zip(groups, vectors, strict=True)
             if len(group) == 1
         },
         result,
     )
+    sizes = [pencil.magnitudes(s, right, left) for s, right, left, _ in vectors]
     found = {}
     for key in keys:
-        rates = _Rates(Neighbours.of(model, key, discrete), change, at, vectors)
+        rates = _Rates(Neighbours.of(model, key, discrete), change, at, vectors, sizes)
         if rates.rounding > UNCERTAIN and (times := rates.farther) > 1.0:
-            farther = _Rates(Neighbours.of(model, key, discrete, many=times * STEP), change, at, vectors)
+            farther = _Rates(
+                Neighbours.of(model, key, discrete, many=times * STEP), change, at, vectors, sizes
+            )
             rates = min(rates, farther, key=lambda one: one.rounding + one.left)
         neighbours, number = rates.neighbours, len(result.eigenvalues)
-        slopes, moving = np.zeros(number, dtype=complex), {}
+        slopes, alone = np.zeros(number, dtype=complex), {}
         for group, changed, slope in zip(groups, rates.changed, rates.of_groups, strict=True):
             slopes[group] = slope
             if len(group) == 1:
-                moving[group[0]] = shapes.of[group[0]].change(changed[:, 0], slope)
+                alone[group[0]] = changed[:, 0], slope
+        moving = MovingVectors(shapes.of, alone)
         histories = [History() for _ in neighbours.each]
         for one, state, history in zip(neighbours.each, rates.states, histories, strict=True):
             record_static(one, state, at, history, at.scale, discrete)
         near = [
-            shapes.near(pencil, one.change, moving)
+            cache(partial(shapes.near, pencil, one.change, moving))
             for one, pencil in zip(neighbours.each, rates.pencils, strict=True)
         ]
         found[key] = _derivative(neighbours, result, histories, slopes, groups, near)
@@ -103,7 +113,7 @@ class _Rates:
 
     Args:
         neighbours: of the model; change: of the equilibrium, None for the reference shape; at: its loads.
-        vectors: of groups of eigenvalues, see :meth:`Pencil.vectors`.
+        vectors: of groups of eigenvalues, see :meth:`Pencil.vectors`; sizes: see :meth:`Pencil.magnitudes`.
 
     Attributes:
         states, pencils: of the neighbours; changed: rates of the matrices times the right vectors, of each group.
@@ -117,6 +127,7 @@ class _Rates:
         change: StaticChange | None,
         at: Instant,
         vectors: Sequence[tuple[complex, np.ndarray, np.ndarray, np.ndarray]],
+        sizes: Sequence[np.ndarray],
     ) -> None:
         self.neighbours, each = neighbours, neighbours.each
         increment = None if change is None else change.increment(neighbours)
@@ -133,9 +144,8 @@ class _Rates:
         self.of_groups: list[complex] = []
         coarse, noise = [], []
         weights = np.array([one.weight for one in each])
-        for s, right, left, slope in vectors:
-            matrices = [pencil.at(s) for pencil in self.pencils]
-            products = np.array([matrix @ right for matrix in matrices])
+        for (s, right, left, slope), terms in zip(vectors, sizes, strict=True):
+            products = np.array([pencil.times(s, right) for pencil in self.pencils])
             changed = np.tensordot(weights, products, 1)
 
             def rate(changed: np.ndarray, left: np.ndarray = left, slope: np.ndarray = slope) -> complex:
@@ -145,7 +155,6 @@ class _Rates:
             self.changed.append(changed)
             self.of_groups.append(rate(changed))
             coarse.append(rate(np.tensordot(neighbours.rough, products, 1)))
-            terms = np.abs(left).T @ (abs(matrices[0]) @ np.abs(right))
             noise.append(EPSILON * np.abs(weights).max() * float(np.abs(np.linalg.solve(slope, terms)).max()))
         size = max(map(abs, self.of_groups), default=0.0) or 1.0
         self.rounding = max(noise, default=0.0) / size
@@ -191,12 +200,18 @@ class Pencil:
 
     def __init__(self, small: SmallMotions) -> None:
         self.small = small
-        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        self._units = units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
         free = sparse.csr_array(small.free @ sparse.diags_array(units))
         scale = sparse.diags_array(units)
         self._parts = [sparse.csr_array(scale @ (rows @ free)) for rows in small.balance]
         self._held = None if small.gradients is None else sparse.csr_array(small.gradients @ free)
         self._weight = float(np.abs(self._parts[0].diagonal()).mean()) or 1.0
+
+    @cached_property
+    def _aligned(self) -> tuple[sparse.csr_array, Floats]:
+        """A pattern that holds all matrices, and their values in its places."""
+        pattern = sparse.csr_array(sum(abs(part) for part in self._parts))
+        return pattern, aligned(self._parts, pattern)
 
     @classmethod
     def of(cls, static: StaticSolver, state: State, at: Instant) -> Pencil:
@@ -207,6 +222,20 @@ class Pencil:
         """Return the matrix at ``s`` [1/s]."""
         return self._bordered([c(s) for c in self.small.coefficients], held=True)
 
+    def times(self, s: complex, x: np.ndarray) -> np.ndarray:
+        """Return the product of the matrix at ``s`` with vectors ``(n, k)``; the matrix is not made."""
+        free, (pattern, values) = len(self._units), self._aligned
+        data = np.tensordot(np.asarray(self.small.at(s)), values, 1)
+        found = sparse.csr_array((data, pattern.indices, pattern.indptr), shape=pattern.shape) @ x[:free]
+        if self._held is None:
+            return np.asarray(found)
+        rows = self._weight * self._held
+        return np.concatenate([found + rows.T @ x[free:], rows @ x[:free]])
+
+    def magnitudes(self, s: complex, right: np.ndarray, left: np.ndarray) -> np.ndarray:
+        """Return what the matrix between vectors from both sides is, with the magnitudes of all numbers."""
+        return np.asarray(np.abs(left).T @ (abs(self.at(s)) @ np.abs(right)))
+
     def slope(self, s: complex) -> sparse.csc_array:
         """Return its derivative by ``s``."""
         times = self.small.times
@@ -215,9 +244,7 @@ class Pencil:
 
     def increments(self, x: np.ndarray) -> np.ndarray:
         """Return the body increments of all nodes ``(6 n,)`` of a vector."""
-        small = self.small
-        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
-        return np.asarray(small.free @ (units * x[: len(units)]))
+        return np.asarray(self.small.free @ (self._units * x[: len(self._units)]))
 
     def vectors(self, s: complex, count: int) -> tuple[complex, np.ndarray, np.ndarray, np.ndarray]:
         """Return eigenvalue, right and left vectors ``(n, count)``, and what the slope is between these."""
@@ -251,26 +278,16 @@ def _derivative(
     histories: Sequence[History],
     rates: np.ndarray,
     groups: Sequence[Sequence[int]],
-    shapes: Sequence[dict[str, np.ndarray]],
+    shapes: Sequence[Callable[[], dict[str, np.ndarray]]],
 ) -> Derivative[Modes]:
     """Return the derivative from modes to first order."""
     number = neighbours.number
     parts = []
     for one, history, shape in zip(neighbours.each, histories, shapes, strict=True):
-        gauss = one.system.gauss_positions()
-        data = dataset_beside(result.data, one.problem, gauss, history, one.attributes(result))
-        s = result.eigenvalues + one.change * rates
-        kept: dict[str, Any] = {
-            "mode_name": ("small_motion", result.data["mode_name"].values),
-            "eigenvalue": (("small_motion", "part"), np.stack([s.real, s.imag], axis=1)),
-            "part": ["real", "imaginary"],
-        }
-        for name, values in shape.items():
-            kept[name] = (result.data[name].dims, values)
-        for name in UNKNOWN:
-            if name in result.data:
-                kept[name] = (result.data[name].dims, np.full(result.data[name].shape, np.nan))
-        parts.append(Part(one.weight, one.change, Modes(data.assign(kept))))
+        near = Modes.later(
+            partial(_near, one, history, result, result.eigenvalues + one.change * rates, shape)
+        )
+        parts.append(Part(one.weight, one.change, near))
     notes = []
     several = [group for group in groups if len(group) > 1]
     if several:
@@ -283,3 +300,23 @@ def _derivative(
     for note in notes:
         warn(f"derivatives by {number.key}: {note}")
     return found
+
+
+def _near(
+    one: Neighbour,
+    history: History,
+    result: Modes,
+    s: np.ndarray,
+    shapes: Callable[[], dict[str, np.ndarray]],
+) -> xr.Dataset:
+    """Return the data of modes with the eigenvalues ``s`` of a neighbour."""
+    data = result.data
+    more: dict[str, Any] = {
+        "mode_name": data["mode_name"].values,
+        "eigenvalue": np.stack([s.real, s.imag], axis=1),
+    }
+    more |= {name: lambda name=name: shapes()[name] for name in SHAPES}
+    more |= {name: np.full(data[name].shape, np.nan) for name in UNKNOWN if name in data}
+    return dataset_beside(
+        data, one.problem, one.system.gauss_positions(), history, one.attributes(result), more
+    )

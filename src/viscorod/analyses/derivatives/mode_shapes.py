@@ -8,6 +8,7 @@ component then, the one that is 1 in the result.
 from __future__ import annotations
 
 from collections.abc import Mapping
+from functools import cached_property
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -20,31 +21,57 @@ from viscorod.solve.modes.vibrations import station_motions
 if TYPE_CHECKING:
     from viscorod.analyses.derivatives.eigenvalues import Pencil
 
-__all__ = ["ShapeRate", "ShapeRates"]
+__all__ = ["SHAPES", "MovingVectors", "ShapeRate", "ShapeRates"]
 
-NAMES = ("mode_shape", "mode_rotation")
+SHAPES = ("mode_shape", "mode_rotation")
+"""Variables that hold them."""
 ONE = 1e-9
 """Distance from 1 of the component that shapes are scaled by."""
 
 
 class ShapeRate:
-    """What the change of one vector follows from.
+    """What the change of one vector follows from; computed when shapes are asked for.
 
     Args:
-        matrix, slope: at the eigenvalue; x: the vector.
+        pencil: the matrices; s: the eigenvalue; x: the vector.
     """
 
-    def __init__(self, matrix: sparse.csc_array, slope: sparse.csc_array, x: np.ndarray) -> None:
-        self.x, self._slope = x, slope @ x
-        column, row = self._slope[:, None], x.conj()[None]
-        self._factors = SparseLU(
-            sparse.csc_array(sparse.block_array([[matrix, column], [row, None]]), dtype=complex)
-        )
+    def __init__(self, pencil: Pencil, s: complex, x: np.ndarray) -> None:
+        self._pencil, self._s, self.x = pencil, s, x
+
+    @cached_property
+    def _slope(self) -> np.ndarray:
+        return np.asarray(self._pencil.slope(self._s) @ self.x)
+
+    @cached_property
+    def _factors(self) -> SparseLU:
+        column, row = self._slope[:, None], self.x.conj()[None]
+        bordered = sparse.block_array([[self._pencil.at(self._s), column], [row, None]])
+        return SparseLU(sparse.csc_array(bordered, dtype=complex))
 
     def change(self, changed: np.ndarray, rate: complex) -> np.ndarray:
         """Return the derivative of the vector, where ``dP x`` and the derivative of the eigenvalue are known."""
         right = -np.append(changed + rate * self._slope, 0.0)
         return np.asarray(self._factors.solve(right))[:-1]
+
+
+class MovingVectors:
+    """Derivatives of the vectors of modes by one number, computed when shapes are asked for.
+
+    Args:
+        of: modes that have a frequency of their own, by their places.
+        changed: what ``dP x`` and the derivative of the eigenvalue are, by the places of these.
+    """
+
+    def __init__(
+        self, of: Mapping[int, ShapeRate], changed: Mapping[int, tuple[np.ndarray, complex]]
+    ) -> None:
+        self._of, self._changed = of, changed
+
+    @cached_property
+    def rates(self) -> dict[int, np.ndarray]:
+        """The derivatives, by the places of the modes."""
+        return {k: self._of[k].change(*given) for k, given in self._changed.items()}
 
 
 class _Scale(NamedTuple):
@@ -65,20 +92,20 @@ class ShapeRates:
         self.of, self._result = of, result
         self._scales = {k: _scale(result, k) for k in of}
 
-    def near(self, pencil: Pencil, change: float, moving: Mapping[int, np.ndarray]) -> dict[str, np.ndarray]:
+    def near(self, pencil: Pencil, change: float, moving: MovingVectors) -> dict[str, np.ndarray]:
         """Return shapes and rotations as in the result, for a change of the number; not a number where not known.
 
         Args:
-            pencil: for it; moving: derivatives of vectors by the places of the modes.
+            pencil: for it; moving: derivatives of the vectors.
         """
-        found = {name: np.full(self._result.data[name].shape, np.nan) for name in NAMES}
+        found = {name: np.full(self._result.data[name].shape, np.nan) for name in SHAPES}
         small = pencil.small
-        for k, rate in moving.items():
+        for k, rate in moving.rates.items():
             vector = pencil.increments(self.of[k].x + change * rate)[:, None]
             motions = station_motions(small.problem, small.state, vector)
             turning, place = self._scales[k]
             peak = motions[turning][0].ravel()[place]
-            for name, values in zip(NAMES, motions, strict=True):
+            for name, values in zip(SHAPES, motions, strict=True):
                 found[name][k, 0], found[name][k, 1] = (values[0] / peak).real, (values[0] / peak).imag
         return found
 

@@ -21,6 +21,7 @@ from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, section_record
 from viscorod.errors import Fault, InputError
+from viscorod.mechanics.joints.joint_coordinates import AT_Q_A, AT_U1
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
@@ -41,6 +42,9 @@ TURN = 2e-3
 """Most rotation [rad] of nodes: what strains have of fourth order in it, section forces show."""
 ROUNDING = 1e-9
 """Part of the length of a rod by which places that are one may differ."""
+
+JUMP = 0.3
+"""Components of unit vectors by which axes of joints and supports differ whose choice jumped."""
 
 
 class Scheme(NamedTuple):
@@ -279,4 +283,8 @@ def _difference(problem: Problem, other: Problem) -> str:
     for text, pairs in checks.items():
         if not all(np.array_equal(a, b) for a, b in pairs):
             return text
+    axes = [(mine.geometry[:, AT_U1:AT_Q_A], its.geometry[:, AT_U1:AT_Q_A])]
+    axes.append((problem.supports.axes, other.supports.axes))
+    if any(np.abs(a - b).max(initial=0.0) > JUMP for a, b in axes):
+        return "which axes of a joint or support are taken across its direction, all at once"
     return ""

@@ -49,7 +49,8 @@ def response_derivatives(
     loaded = settings.about != "reference" and not discrete.static.loads.at(0.0, at.before).none
     change = StaticChange(discrete, about.state, at) if loaded else None
     base = _responses(discrete, settings, about.state, at)
-    motions = [base.motion(2j * np.pi * f) for f in result.frequencies]
+    places = [2j * np.pi * float(f) for f in result.frequencies]
+    motions = np.array([base.motion(s) for s in places])
     poles = result.poles
     pencil = Pencil(base.small)
     vectors = (
@@ -59,7 +60,7 @@ def response_derivatives(
             (group, *pencil.vectors(complex(poles[group].mean()), len(group))) for group in groups_of(poles)
         ]
     )
-    found = {}
+    every, lacking, of_poles = [], [], []
     for key in keys:
         neighbours = Neighbours.of(model, key, discrete)
         increment = None if change is None else change.increment(neighbours)
@@ -71,21 +72,19 @@ def response_derivatives(
                 state = change.moved(increment, one.change)
                 one.system.constraints.near[:] = discrete.system.constraints.near
             each.append((one.weight, _responses(one.discrete, settings, state, at)))
-        rates = _Rates(
-            np.array(
-                [
-                    _rate(base, each, 2j * np.pi * f, x)
-                    for f, x in zip(result.frequencies, motions, strict=True)
-                ]
-            ),
-            np.full(len(poles), np.nan + 0j),
-        )
-        pencils = [(weight, Pencil(response.small)) for weight, response in each]
+        every.append(neighbours)
+        lacking.append(_Lacking.of(each, places, motions))
+        pencils = [(weight, Pencil(response.small)) for weight, response in each] if vectors else []
+        slopes = np.full(len(poles), np.nan + 0j)
         for group, s, right, left, slope in vectors:
-            changed = sum(weight * (other.at(s) @ right) for weight, other in pencils)
-            rates.poles[group] = -np.trace(np.linalg.solve(slope, left.conj().T @ changed)) / len(group)
-        found[key] = _derivative(neighbours, result, rates)
-    return found
+            changed = sum(weight * other.times(s, right) for weight, other in pencils)
+            slopes[group] = -np.trace(np.linalg.solve(slope, left.conj().T @ changed)) / len(group)
+        of_poles.append(slopes)
+    responses = _rates(base, lacking, places, motions)
+    return {
+        neighbours.number.key: _derivative(neighbours, result, _Rates(*rates))
+        for neighbours, *rates in zip(every, responses, of_poles, strict=True)
+    }
 
 
 class _Rates(NamedTuple):
@@ -109,16 +108,49 @@ def _responses(
     return HarmonicResponse(small, inputs, readings)
 
 
-def _rate(
-    base: HarmonicResponse, each: Sequence[tuple[float, HarmonicResponse]], s: complex, x: np.ndarray
+class _Lacking(NamedTuple):
+    """What motions lack, and outputs see of them, per unit of a number that changes the model and not the motions.
+
+    Attributes:
+        right, gaps: of the balance and of conditions ``(frequencies, n or m, inputs)``.
+        own: change of the outputs ``(frequencies, outputs, inputs)``.
+    """
+
+    right: np.ndarray
+    gaps: np.ndarray
+    own: np.ndarray
+
+    @classmethod
+    def of(
+        cls,
+        each: Sequence[tuple[float, HarmonicResponse]],
+        places: Sequence[complex],
+        motions: np.ndarray,
+    ) -> _Lacking:
+        """Return it of responses of neighbours, with their weights."""
+        left = [(weight, response.lacking(places, motions)) for weight, response in each]
+        right, gaps = (np.asarray(sum(weight * parts[k] for weight, parts in left)) for k in (0, 1))
+        own: Any = sum(
+            weight * np.array([response.read(s, x) for s, x in zip(places, motions, strict=True)])
+            for weight, response in each
+        )
+        return cls(right, gaps, np.asarray(own))
+
+
+def _rates(
+    base: HarmonicResponse, lacking: Sequence[_Lacking], places: Sequence[complex], motions: np.ndarray
 ) -> np.ndarray:
-    """Return the derivative of the responses at one frequency, where the motions are ``x``."""
-    lacking = [(weight, response.lacking(s, x)) for weight, response in each]
-    right, gaps = (sum(weight * parts[k] for weight, parts in lacking) for k in (0, 1))
-    moved = base.solve(s, np.asarray(right), np.asarray(gaps))
-    still = base.read(s, np.zeros_like(x))
-    own: Any = sum(weight * response.read(s, x) for weight, response in each)
-    return np.asarray(own + base.read(s, moved) - still)
+    """Return the derivatives of the responses ``(keys, frequencies, outputs, inputs)``.
+
+    The dynamic stiffness is factorised once at a frequency, for all numbers.
+    """
+    found = np.array([one.own for one in lacking])
+    for k, (s, x) in enumerate(zip(places, motions, strict=True)):
+        right, gaps = (np.concatenate([one[i][k] for one in lacking], axis=1) for i in (0, 1))
+        moved, still = base.solve(s, right, gaps), base.read(s, np.zeros_like(x))
+        for rates, change in zip(found, np.split(moved, len(lacking), axis=1), strict=True):
+            rates[k] += base.read(s, change) - still
+    return found
 
 
 def _derivative(

@@ -57,10 +57,19 @@ def columns(pair: Pair | None) -> Floats:
     return np.eye(3) if pair is None else np.column_stack([*pair, np.cross(*pair)])
 
 
+ABOUT = 0.05
+"""Cosine by which directions are about as far as others."""
+
+
 def axes_from(first: Triple) -> Floats:
-    """Return right-handed axes (3, 3), columns, with the unit vector `first` as x."""
+    """Return right-handed axes (3, 3), columns, with the unit vector `first` as x.
+
+    y is next to the first of the global axes that are about as far from it as the farthest: so the axes of a direction
+    along a global axis do not jump where it is changed a little.
+    """
     x = np.array(first)
-    y = np.eye(3)[np.argmin(np.abs(x))]
+    across = np.abs(x)
+    y = np.eye(3)[int(np.argmax(across <= across.min() + ABOUT))]
     y = y - (y @ x) * x
     y /= np.linalg.norm(y)
     return np.column_stack([x, y, np.cross(x, y)])

@@ -13,7 +13,7 @@ from viscorod.errors import SolveError
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.typing import Floats
 
-__all__ = ["DynamicStiffness"]
+__all__ = ["DynamicStiffness", "aligned"]
 
 NARROW = 0.2
 """Part of the size up to which a bandwidth is narrow."""
@@ -57,7 +57,7 @@ class DynamicStiffness:
             self._buffer = np.zeros(self._parts.shape[1:], dtype=complex, order="F")
             self._gbsv = get_lapack_funcs(("gbsv",), (self._buffer,))[0]
         else:
-            self._sparse = _aligned(scaled, pattern)
+            self._sparse = aligned(scaled, pattern)
             self._pattern = pattern
 
     def _band(self, matrix: sparse.csr_array, place: np.ndarray) -> Floats:
@@ -101,7 +101,7 @@ class DynamicStiffness:
         return np.asarray(x * self._scale[:, None])
 
 
-def _aligned(parts: Sequence[sparse.csr_array], pattern: sparse.csr_array) -> Floats:
+def aligned(parts: Sequence[sparse.csr_array], pattern: sparse.csr_array) -> Floats:
     """Return the values of matrices in the places of a pattern that holds them all ``(parts, entries)``."""
     pattern.sort_indices()
     size = pattern.shape[0]

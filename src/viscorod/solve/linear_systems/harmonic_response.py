@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -38,11 +40,9 @@ class HarmonicResponse:
     def __post_init__(self) -> None:
         small, inputs, readings = self.small, self.inputs, self.readings
         free, held = small.free, small.held
-        parts = self._balance = [sparse.csr_array(rows @ free) for rows in small.balance]
-        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        self._balance = [sparse.csr_array(rows @ free) for rows in small.balance]
         gradients = None if small.gradients is None else sparse.csr_array(small.gradients @ free)
-        self._gradients = gradients
-        self._solver = DynamicStiffness(parts, gradients, units)
+        self._gradients, self._size = gradients, int(free.shape[1])
         self._moving = bool(inputs.held.any() or inputs.targets.any())
         moved = np.asarray(held @ inputs.held)
         self._force = np.asarray(free.T @ inputs.force)
@@ -52,6 +52,12 @@ class HarmonicResponse:
         self._read = [sparse.csr_array(rows @ free) for rows in readings.rows]
         self._carried = [np.asarray(rows @ moved) for rows in readings.rows]
         self._parts = [k for k, rows in enumerate(readings.rows) if rows.nnz]
+
+    @cached_property
+    def _solver(self) -> DynamicStiffness:
+        small = self.small
+        units = np.where(small.free_places % 6 < 3, small.problem.length, 1.0)
+        return DynamicStiffness(self._balance, self._gradients, units)
 
     def at(self, hertz: float) -> np.ndarray:
         """Return the responses ``(outputs, inputs)`` at a frequency [Hz]; SI units of output over input.
@@ -83,7 +89,7 @@ class HarmonicResponse:
         for f in hertz:
             s = 2j * np.pi * float(f)
             c, solution, times = self.small.at(s), self.motion(s), self._times(s)
-            x, multipliers = solution[: self._solver.size], solution[self._solver.size :]
+            x, multipliers = solution[: self._size], solution[self._size :]
             moved = self.small.free @ x + times * np.asarray(self.small.held @ self.inputs.held)
             size = np.linalg.norm(np.abs(moved).reshape(-1, 3, moved.shape[1]), axis=1, keepdims=True)
             spread = np.broadcast_to(size, (len(size), 3, moved.shape[1])).reshape(moved.shape)
@@ -113,20 +119,29 @@ class HarmonicResponse:
         """Return free motions and multipliers for forces ``(n, k)`` and gaps ``(m, k)``."""
         return self._solver.solve(self.small.at(s), right, gaps)
 
-    def lacking(self, s: complex, found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """Return what motions and multipliers leave of the balance ``(n, inputs)`` and of the gaps ``(m, inputs)``."""
-        size = self._solver.size
-        right, gaps = self._driven(s)
-        for k, rows in zip(self.small.at(s), self._balance, strict=True):
-            right = right - k * (rows @ found[:size])
+    def lacking(self, s: Sequence[complex], found: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Return what motions and multipliers leave of the balance and of the gaps.
+
+        Args:
+            s: where [1/s] ``(k,)``; found: motions and multipliers there ``(k, n + m, inputs)``.
+
+        Returns:
+            forces ``(k, n, inputs)`` and gaps ``(k, m, inputs)``.
+        """
+        driven = [self._driven(one) for one in s]
+        right, gaps = (np.array([given[i] for given in driven]) for i in (0, 1))
+        coefficients = np.array([self.small.at(one) for one in s])
+        x, multipliers = found[:, : self._size], found[:, self._size :]
+        for factors, rows in zip(coefficients.T, self._balance, strict=True):
+            right -= factors[:, None, None] * _products(rows, x)
         if self._gradients is not None:
-            right = right - self._gradients.T @ found[size:]
-            gaps = gaps - self._gradients @ found[:size]
+            right -= _products(sparse.csr_array(self._gradients.T), multipliers)
+            gaps -= _products(self._gradients, x)
         return right, gaps
 
     def read(self, s: complex, found: np.ndarray) -> np.ndarray:
         """Return the responses ``(outputs, inputs)`` of motions and multipliers."""
-        c, size = self.small.at(s), self._solver.size
+        c, size = self.small.at(s), self._size
         x, multipliers = found[:size], found[size:]
         times = self._times(s)
         out = self.readings.direct + self.readings.multipliers @ multipliers
@@ -153,3 +168,10 @@ class HarmonicResponse:
         return np.array([self.at(float(f)) for f in hertz]).reshape(
             len(hertz), len(self.readings.outputs), len(self.inputs.signals)
         )
+
+
+def _products(matrix: sparse.csr_array, columns: np.ndarray) -> np.ndarray:
+    """Return the products ``(k, m, j)`` of a matrix ``(m, n)`` with columns ``(k, n, j)``."""
+    count, rows, each = columns.shape
+    found = matrix @ columns.transpose(1, 0, 2).reshape(rows, count * each)
+    return np.asarray(found.reshape(-1, count, each).transpose(1, 0, 2))

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy import sparse
@@ -81,15 +82,19 @@ class SmallMotions:
         """True if moduli of a table take part, which are known at harmonic motions only."""
         return len(self.coefficients) > 3 + len(self.times)
 
-    @property
+    @cached_property
     def free_places(self) -> Integers:
         """Row of the largest entry of every free motion ``(free,)``: six for every node."""
         columns = sparse.csc_array(abs(self.free))
-        found = np.empty(columns.shape[1], dtype=np.int64)
-        for j in range(len(found)):
-            mine = slice(columns.indptr[j], columns.indptr[j + 1])
-            found[j] = columns.indices[mine][np.argmax(columns.data[mine])]
-        return found
+        if not columns.shape[1]:
+            return np.empty(0, dtype=np.int64)
+        counts = np.diff(columns.indptr)
+        largest = np.flatnonzero(
+            columns.data == np.repeat(np.maximum.reduceat(columns.data, columns.indptr[:-1]), counts)
+        )
+        of = np.repeat(np.arange(len(counts)), counts)[largest]
+        first = largest[np.unique(of, return_index=True)[1]]
+        return np.asarray(columns.indices[first], dtype=np.int64)
 
     def dof_names(self, names: Sequence[str]) -> list[str]:
         """Return the names of the free motions, node and direction; ``names`` are those of the nodes ``(n,)``."""
