@@ -72,6 +72,19 @@ def test_report_without_cycles_says_why():
     )
 
 
+def test_report_of_a_rod_that_rests_takes_no_rounding_for_a_motion():
+    """A clamped strip that hangs in its equilibrium: 84 am had been called its largest range of displacement."""
+    model = vr.Model()
+    rubber = vr.Material(5e6, 0.49, 1100.0)
+    strip = vr.Rod.straight((0, 0, 0), (0.15, 0, 0), section=vr.Rectangle(0.02, 0.003), material=rubber)
+    model.add("strip", strip)
+    model.clamp("strip.start")
+    model.gravity()
+    report = model.simulate(0.1).report()
+    assert "Nothing moves: what displacements change by is rounding" in report
+    assert "largest range" not in report
+
+
 def test_report_of_a_single_state():
     report = Run(swing(duration=1.0).isel(time=slice(0, 1))).report()
     assert report.count("beam.end") >= 1

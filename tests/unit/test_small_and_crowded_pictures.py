@@ -17,8 +17,9 @@ from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.pictures.drawing.bodies_on_paper import corners_of
 from viscorod.pictures.drawing.model_drawing import draw_assembly
 from viscorod.pictures.plots.plot_energy import gravity_potential
-from viscorod.pictures.plots.plot_modes import after_turn, draw_modes
-from viscorod.pictures.style import clean, figure, with_prefixes
+from viscorod.pictures.plots.plot_modes import draw_modes
+from viscorod.pictures.plots.swinging_shapes import Swing, after_turn
+from viscorod.pictures.style import clean, figure, legend_above, with_prefixes
 from viscorod.results.run import Run
 
 
@@ -91,6 +92,26 @@ def test_logarithmic_axes_of_few_decades_have_plain_numbers(values, words, label
     picture.draw_without_rendering()
     assert axes.get_ylabel() == label
     assert shown <= {text.get_text() for text in axes.get_yticklabels()}
+
+
+@pytest.mark.parametrize(
+    ("names", "columns"),
+    [
+        (("displacement y of plate.rim", "maxima", "envelope of the last cycles, exp(-t / 0.614 s)"), 3),
+        (9 * ("a name of some thirty letters..",), 2),
+        ((100 * "a", "b"), 1),
+    ],
+)
+def test_a_legend_has_as_many_columns_as_end_within_the_picture(names, columns):
+    picture = figure(10.0, 4.0)
+    axes = picture.add_subplot()
+    for name in names:
+        axes.plot([0.0, 1.0], label=name)
+    legend_above(axes, 4)
+    picture.draw_without_rendering()
+    box = axes.get_legend().get_window_extent()
+    assert axes.get_legend()._ncols == columns
+    assert box.x1 <= picture.bbox.x1
 
 
 def test_axes_of_one_scale_keep_one_unit():
@@ -412,3 +433,58 @@ def test_lines_to_the_names_of_equal_modes_cross_no_name():
         for other in names:
             box = Text.get_window_extent(other)
             assert not any(box.contains(*point) for point in between)
+
+
+def rotor(along, across):
+    """Three blades about an axis across both given directions, one of them along the first."""
+    model = vr.Model()
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    for k, angle in enumerate(2.0 * np.pi / 3.0 * np.arange(3)):
+        way = np.cos(angle) * np.array(along) + np.sin(angle) * np.array(across)
+        section = vr.Rectangle(0.1, 0.02)
+        model.add(f"blade_{k}", vr.Rod.straight(0.2 * way, 2.0 * way, section=section, material=steel))
+        model.clamp(f"blade_{k}.start")
+    return model
+
+
+@pytest.mark.parametrize(
+    ("along", "across"),
+    [((0, 0, 1), (1, 0, 0)), ((0, 0, 1), (0, 1, 0)), ((0, 0, 1), (0.8, 0.6, 0)), ((0.6, 0, 0.8), (0, 1, 0))],
+)
+def test_modes_of_a_rotor_are_seen(along, across):
+    """Tips move on paper by more than a third of what they move, and not along their blades."""
+    modes = rotor(along, across).modes(6)
+    for k in range(6):
+        picture = modes.plot(number=k + 1)
+        at_rest, mode, _ = (
+            line.get_xydata()
+            for line in picture.axes[0].lines
+            if line.get_label() in ("at rest", "mode", "half a period later")
+        )
+        moved = np.nan_to_num(mode - at_rest)
+        tip = int(np.argmax(np.linalg.norm(moved, axis=1)))
+        blade = at_rest[tip] - at_rest[tip - 1]
+        aside = abs(blade[0] * moved[tip, 1] - blade[1] * moved[tip, 0]) / np.linalg.norm(blade)
+        assert aside > 0.33 * 0.15 * np.max(np.ptp(modes.positions, axis=0))
+
+
+def test_a_mode_that_twists_is_drawn_by_edges_and_not_by_rounding():
+    """The centre line of a twisting beam rests: what solvers leave of it had been drawn as its shape."""
+    silicon = vr.Material("169 GPa", 0.28, 2330.0)
+    model = vr.Model()
+    section = vr.Rectangle("20 um", "2 um")
+    model.add("beam", vr.Rod.straight((0, 0, 0), ("200 um", 0, 0), section=section, material=silicon))
+    model.clamp("beam.start")
+    model.clamp("beam.end")
+    modes = model.modes(4)
+    assert modes.names[3] == "twist 1"
+    real, turn = modes.shapes[3].real, modes.rotations[3].real
+    swing = Swing.of(modes.positions, real, modes.data["rotation"].values[-1], turn, 3e-5)
+    ahead, behind = swing.lines(1.0)
+    s = modes.positions[:, 0]
+    angle = np.arctan2(*(ahead - behind)[:, [2, 1]].T)
+    np.testing.assert_allclose(np.abs(angle - angle[0]), 0.6 * np.sin(np.pi * s / 2e-4), atol=6e-4)
+    assert np.abs(0.5 * (ahead + behind) - modes.positions).max() < 1e-9 * 2e-4
+    bent = Swing.of(modes.positions, modes.shapes[0].real, swing.still, modes.rotations[0].real, 3e-5)
+    assert bent.edge == 0.0
+    assert np.abs(bent.moved).max() == pytest.approx(3e-5)

@@ -205,7 +205,7 @@ WRONG = [
         "rods.beam.elments: 1: no such key; did you mean elements? The keys here are shape",
     ),
     ({"rods.bean.elements": [1]}, "rods.bean: no such key; did you mean beam? The keys here are beam"),
-    ({"materials.gum": [1]}, "materials.gum: no such key; The keys here are rubber"),
+    ({"materials.gum": [1]}, "materials.gum: no such key; the keys here are rubber"),
     ({"rod.beam.elements": [1]}, "rod: no such key; did you mean rods? The keys here are title, materials"),
     ({"rods.beam.elements": [1, 0]}, "rods.beam.elements: 0: a whole number is needed here"),
     (

@@ -51,7 +51,14 @@ def put(content: dict[str, Any], key: str, value: Any) -> None:
             raise InputError(Fault(where, show(place), "this has no keys of its own", listed))
         elif part not in place and (not last or (k == 1 and parts[0] in TABLES)):
             hint = did_you_mean(part, place, str)
-            raise InputError(Fault(where, "", "no such key", f"{hint}The keys here are {some_of(place)}"))
+            raise InputError(
+                Fault(
+                    where,
+                    "",
+                    "no such key",
+                    f"{hint}{'The' if hint else 'the'} keys here are {some_of(place)}",
+                )
+            )
         if last:
             place[part] = value
         else:

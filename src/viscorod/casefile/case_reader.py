@@ -132,7 +132,7 @@ class CaseReader:
             if key not in allowed:
                 close = nearest_key(key, allowed, table)
                 hint = f"did you mean {close}? " if close else ""
-                advice = f"{hint}The keys here are {', '.join(allowed)}"
+                advice = f"{hint}{'The' if hint else 'the'} keys here are {', '.join(allowed)}"
                 self._wrong(join_path(path, path_text((key,))), show(table[key]), "no such key", advice)
                 meant += [close] if close else []
         return meant

@@ -83,10 +83,10 @@ def legend_of_all(picture: Figure, height: float) -> None:
     )
 
 
-def _columns_within(labels: list[str], width: float) -> int:
-    """Return in how many columns, five at most, the entries of a legend fit into a width [inches]."""
-    for columns in range(5, 1, -1):
-        longest = [max(map(len, part)) for k in range(columns) if (part := labels[k::columns])]
+def _columns_within(labels: Sequence[str], width: float, most: int = 5) -> int:
+    """Return in how many columns the entries of a legend fit into a width [inches]; they go down the columns."""
+    for columns in range(min(most, len(labels)), 1, -1):
+        longest = [max(map(len, part)) for part in np.array_split(np.array(labels, dtype=object), columns)]
         if SMALL * sum(_LETTER * letters + _HANDLE for letters in longest) <= 72.0 * width:
             return columns
     return 1
@@ -177,9 +177,7 @@ def columns_of(axes: Axes, names: Sequence[str], most: int) -> int:
     picture = axes.get_figure(root=True)
     if picture is None or not names:
         return most
-    room = 72.0 * picture.get_figwidth() * (1.0 - axes.get_position().x0)
-    each = SMALL * (_LETTER * max(map(len, names)) + _HANDLE)
-    return max(1, min(most, int(room // each)))
+    return _columns_within(names, picture.get_figwidth() * (1.0 - axes.get_position().x0), most)
 
 
 def without_round_off(limit: Callable[[float, float], object], values: Floats) -> None:

@@ -74,7 +74,12 @@ class _Reader:
         for key in self._content:
             if key not in KEYS:
                 hint = did_you_mean(key, KEYS, str)
-                self._wrong(key, "", "no such key", f"{hint}The keys here are {', '.join(KEYS)}")
+                self._wrong(
+                    key,
+                    "",
+                    "no such key",
+                    f"{hint}{'The' if hint else 'the'} keys here are {', '.join(KEYS)}",
+                )
         options = {key: self._option(key) for key in OPTIONS if key in self._content}
         pairs, left_out = self._records()
         parameters, nuisances = self._table("parameters"), self._table("nuisances")

@@ -8,6 +8,7 @@ import numpy as np
 
 from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
+from viscorod.pictures.plots.swinging_shapes import Swing
 from viscorod.pictures.style import BLUE, GREY, SMALL, legend_of_all, titled
 
 if TYPE_CHECKING:
@@ -49,15 +50,18 @@ def draw_buckling(
         (picture if ax is None else ax).text(0.05, 0.5, "no critical load was found", fontsize=SMALL)
         return picture
     curves = Curves(result)
+    still = np.asarray(result.data["rotation"].values, dtype=float)[-1]
     for panel, k in enumerate(drawn, 1):
-        base, shape = positions[k], result.shapes[k]
-        largest = float(np.max(np.linalg.norm(shape, axis=-1)))
-        moved = SIZE * float(np.max(np.ptp(base, axis=0))) / largest * shape if largest > 0.0 else shape
+        base = positions[k]
+        reach = SIZE * float(np.max(np.ptp(base, axis=0)))
+        swing = Swing.of(base, result.shapes[k], still, result.rotations[k], reach)
         axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
-        view = View.of(np.stack([base, base + moved, base - moved]))
+        view = View.of(swing.all_lines, swept=swing.swept)
         kind = "linear" if not result.exact else "it snaps" if result.limit[k] else "it buckles"
-        view.prepare(axes, f"{k + 1}: load factor {factors[k]:.5g}, {kind}\n{view.name}")
-        curves.draw(axes, view, base + moved, color=BLUE, linewidth=2.0, label="gives way to here")
+        seen = f"{view.name}, edges of what twists" if swing.edge else view.name
+        view.prepare(axes, f"{k + 1}: load factor {factors[k]:.5g}, {kind}\n{seen}")
+        for line, label in zip(swing.lines(1.0), ("gives way to here", "_"), strict=False):
+            curves.draw(axes, view, line, color=BLUE, linewidth=2.0, label=label)
         curves.draw(
             axes, view, base, color=GREY, linestyle=(0, (4, 3)), linewidth=1.1, label="critical state"
         )

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.mechanics.rotations.quaternion import product
 from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
+from viscorod.pictures.plots.swinging_shapes import Swing
 from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, legend_of_all, titled
 from viscorod.results.text_numbers import above_rounding, quantity
 from viscorod.results.text_numbers import number as text_of
-from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -63,18 +62,20 @@ def draw_modes(
         # the instant of the swing at which most is displaced
         phase = 0.5 * np.angle(np.sum(shape * shape))
         real, turn = (np.real(part * np.exp(-1j * phase)) for part in (shape, modes.rotations[k]))
-        largest = float(np.max(np.linalg.norm(real, axis=-1)))
-        size = reach / largest if largest > 0.0 else 1.0
+        swing = Swing.of(base, real, still, turn, reach)
         axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
-        view = View.of(np.stack([base, base + size * real, base - size * real]))
-        view.prepare(axes, _name(k, modes) + (f"\n{view.name}" if ax is None else ""))
+        view = View.of(swing.all_lines, swept=swing.swept)
+        seen = f"{view.name}, edges of what twists" if swing.edge else view.name
+        view.prepare(axes, _name(k, modes) + (f"\n{seen}" if ax is None else ""))
         # what is coiled stands side by side: at rest, and at both ends of the swing
         shifts = view.strip(np.stack([base] * 3)) if coiled else np.zeros((3, 3))
         for sign, shift, style in zip((0.0, 1.0, -1.0), shifts, _styles(result), strict=True):
-            moved, turned = base + sign * size * real, after_turn(still, sign * size * turn)
-            curves.draw(axes, view, moved + shift, **style)
+            for line in swing.lines(sign):
+                curves.draw(axes, view, line + shift, **style)
+                style["label"] = "_"  # the second edge has no name of its own
             if not assembly.empty:
-                assembly.draw(axes, view.shifted(shift), moved, turned, style["color"])
+                moved = base + sign * swing.moved
+                assembly.draw(axes, view.shifted(shift), moved, swing.rotations(sign), style["color"])
             if coiled or not sign:
                 mark_supports(axes, view, result, base + shift)
         axes.margins(0.08)
@@ -94,14 +95,6 @@ def _styles(result: Result) -> tuple[dict[str, Any], ...]:
         {"color": BLUE, "linewidth": 2.0, "label": "mode"},
         {"color": SKY, "linewidth": 1.2, "label": "half a period later"},
     )
-
-
-def after_turn(rotations: Floats, turn: Floats) -> Floats:
-    """Return rotations ``(stations, 4)`` after turns about their own axes, rotation vectors ``(stations, 3)``."""
-    angle = np.linalg.norm(turn, axis=-1, keepdims=True)
-    small = np.concatenate([np.cos(0.5 * angle), 0.5 * np.sinc(angle / (2.0 * np.pi)) * turn], axis=-1)
-    found: Floats = product(rotations, small)
-    return found
 
 
 def _name(k: int, modes: Modes | vibrations.Vibrations) -> str:
