@@ -338,3 +338,27 @@ def test_a_diagram_is_kept_drawn_and_told(rotor, tmp_path):
     assert turns.get_xlim() == pytest.approx(rotor.speeds[[0, -1]] * 30.0 / np.pi)
     with pytest.raises(vr.InputError, match="no Campbell diagram"):
         vr.Campbell(rotor.data.drop_vars("whirl"))
+
+
+def test_a_shaft_whose_frequencies_are_those_on_it_is_told_where_its_unbalance_excites():
+    """A pinned shaft of EI = rhoA = L = 1 is in resonance with its unbalance at pi^2, seen from outside.
+
+    Seen on it that is a frequency of 0; its frequency is the speed at half of that, where nothing that turns excites.
+    """
+    section = vr.StiffnessSection([1e8] * 3 + [1.0] * 3, [1.0, 1.0, 1.0, 1e-8, 1e-8, 2e-8])
+    model = vr.Model()
+    model.add("shaft", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    model.support("shaft.start", ("ux", "uy", "uz", "rx"))
+    model.support("shaft.end", ("uy", "uz"))
+    settings = {"axis": (1, 0, 0), "band": (0.0, 15.0), "count": 5, "modes": 2}
+    on_it = model.campbell(**settings)
+    assert on_it.critical_speeds[0].speed == pytest.approx(np.pi**2 / 2.0, rel=1e-4)
+    assert any("unbalance" in text and "frame = 'space'" in text for text in on_it.warnings)
+    outside = model.campbell(**settings, frame="space")
+    assert [one.speed for one in outside.critical_speeds] == pytest.approx([np.pi**2] * 2, rel=1e-4)
+    for found in (
+        outside,
+        model.campbell(**settings, frame="turning"),
+        blade().campbell((0, 0, 1), speeds=[2.0, 3.0]),
+    ):
+        assert not any("unbalance" in text for text in found.warnings)

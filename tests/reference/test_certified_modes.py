@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 import scipy.linalg
 from scipy.optimize import brentq
+from scipy.special import jn_zeros
 
 import viscorod as vr
 from viscorod.analyses.discrete import DiscreteModel
@@ -484,3 +485,20 @@ def test_more_modes_than_a_mesh_has_are_cut_and_told():
     given = bar(WORDS).modes(100_000)
     assert len(given.frequencies) == 6 * 20  # nodes that are not held, undamped
     assert any("120 are listed, all that the mesh has" in text for text in given.warnings)
+
+
+@pytest.mark.parametrize("axial", [1e4, 1e6])
+def test_a_chain_that_hangs_swings_as_bernoulli_says(axial):
+    """``omega_k = j_0k/2 sqrt(g/L)`` with the zeros of J_0 (Daniel Bernoulli 1732), whatever its axial stiffness.
+
+    What gives the sections of a cable their direction bends, the more waves a vibration has.
+    """
+    section = vr.StiffnessSection([axial] * 3 + [0.0] * 3, [0.1] * 3 + [1e-7, 1e-7, 2e-7])
+    model = vr.Model()
+    model.add("chain", vr.Rod.straight((0, 0, 0), (0, 0, -1), section=section))
+    model.pin("chain.start")
+    model.gravity((0, 0, -9.81))
+    found = model.modes(7)
+    expected = jn_zeros(0, 3) / 2.0 * np.sqrt(9.81) / (2.0 * np.pi)
+    assert found.frequencies[0] == 0.0  # it may spin about its line
+    assert found.frequencies[1:] == pytest.approx(np.repeat(expected, 2), rel=1e-4)

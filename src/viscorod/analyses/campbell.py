@@ -91,6 +91,12 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
     better = None if finer is None else partial(rotations, finer, settings)
     errors = errors_of(discrete, better, tracker, samples, found, critical, waves)
     notes: list[str] = []
+    if "frame" not in settings.model_fields_set and diagram.whirls:
+        notes.append(
+            "the model is alike all around its axis, as a shaft is, and these frequencies are as seen on it: its "
+            "unbalance excites it where a frequency seen from outside is that of the speed, which the critical "
+            "speeds here are not; frame = 'space' has them"
+        )
     start = samples[1 if speeds[0] == 0.0 else 0]
     names = names_of(discrete, family.state(start.parameter), start)
     variables, coordinates = common_variables("speed", samples, names, found, met, errors, tracker, notes)
@@ -154,6 +160,13 @@ class _Diagram:
     def rounds(self, sample: Sample) -> Rounds:
         """Return how the modes go round the axis at one speed."""
         return self.family.rounds(sample.parameter, sample.shapes)
+
+    @property
+    def whirls(self) -> bool:
+        """Whether modes go round the axis, all of them one way alone: those of a model that is alike all around it."""
+        samples = self.tracker.samples
+        found: Floats = self.rounds(samples[len(samples) // 2]).waves()
+        return bool((found != 2).all() and (np.abs(found) == 1).any())
 
     def waves(self) -> Sequence[int]:
         """Return by how many speeds the frequencies in the frame of the diagram are more than on the model.

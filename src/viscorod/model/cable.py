@@ -8,9 +8,10 @@ from viscorod.typing import Floats
 
 __all__ = ["GYRATION", "SLACK", "with_direction"]
 
-SLACK = 1e-12
+SLACK = 1e-14
 """Bending stiffness of a cable over axial stiffness times the square of its length: its sections need a direction.
-Its influence on the shape is of this order over the strain of the cable."""
+Its influence on the shape is of this order over the strain of the cable, and grows with the square of the waves of a
+vibration."""
 GYRATION = 1e-5
 """Radius of gyration of a cable over its length, against rotation and twist: twist waves are as fast as those of
 stretch, or each cable had slow vibrations of twist that mean nothing."""
