@@ -41,7 +41,6 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
-from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.saved_state import restore, saved
 from viscorod.solve.transient.step_errors import StepErrors, damped_by_steps
 from viscorod.solve.transient.transient_solver import Transient
@@ -154,8 +153,8 @@ def _motion(
     attrs["loop_time_s"] = loop_time
     if halved is not None and result.outcome is Outcome.COMPLETED:
         errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
-        told = errors
-        if errors is not None and is_needed(settings, halved, errors):
+        told, last = errors, (integrator.t, integrator.snapshot())
+        if errors is not None and is_needed(discrete, settings, halved, errors):
             first = _recorded(discrete, stream, labels)
             told = told_by_second_run(
                 discrete,
@@ -167,7 +166,7 @@ def _motion(
                 lambda: vibrating(linear(), relaxing()),
                 modes,
             )
-        attrs |= _estimated_errors(discrete, settings, halved, integrator, (errors, told))
+        attrs |= _estimated_errors(discrete, settings, halved, last, (errors, told))
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))
@@ -184,12 +183,13 @@ def _estimated_errors(
     discrete: DiscreteModel,
     settings: SimulateSettings,
     halved: HalvedSteps,
-    integrator: Integrator,
+    last: tuple[float, Snapshot],
     errors: tuple[StepErrors | None, StepErrors | None],
 ) -> dict[str, Any]:
     """Return what a finished motion errs by, by its steps and by its mesh, as attributes.
 
     Args:
+        last: time [s] and state at its end.
         errors: of its steps, as they add up in small motions about its start, and as the motion makes them grow.
     """
     watch = discrete.watch
@@ -197,7 +197,7 @@ def _estimated_errors(
     see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
     scale = float(settings.initial == "equilibrium")
     if settings.modes is None:  # what modes leave out is not in balance on any mesh
-        see((integrator.t, integrator.snapshot()), discrete.static, scale, damped_by_steps(halved))
+        see(last, discrete.static, scale, damped_by_steps(halved))
     if told is None or summed is None:
         return watch.attributes
     watch.grow(told.growth(summed))

@@ -25,6 +25,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, station_reader
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.statics.tangent import negative_eigenvalues
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
@@ -40,6 +41,10 @@ TURNED = 0.5
 """Rotation [rad] from which on parts that nothing holds have turned far."""
 BENT = 1.0
 """Rotation [rad] from which on an estimate that would be warned of is looked at again, whatever holds the parts."""
+SHALLOW = 0.01
+"""Rotation [rad] up to which nothing is looked for through which a motion could snap."""
+LEVELS = (0.3, 0.5)
+"""Parts of the way to the farthest state at which it is looked whether a state would leave by itself."""
 PART = 0.3
 """What steps of the second run may err by, over that of the first one."""
 SHORTER = 0.5
@@ -48,7 +53,9 @@ INSTANTS = 200
 """Times at which both runs are compared, about."""
 
 
-def is_needed(settings: SimulateSettings, halved: HalvedSteps, errors: StepErrors) -> bool:
+def is_needed(
+    discrete: DiscreteModel, settings: SimulateSettings, halved: HalvedSteps, errors: StepErrors
+) -> bool:
     """Return whether a linear sum of errors says too little of a motion, or doubts it where it means little."""
     if settings.dynamics == "linear" or settings.modes is not None:
         return False
@@ -56,7 +63,31 @@ def is_needed(settings: SimulateSettings, halved: HalvedSteps, errors: StepError
         return False  # what branches hold there is known to the first run alone
     turned = float(errors.moved[1])
     free = halved.modes.rigid.shape[1] > 0
-    return (free and turned > TURNED) or (turned > BENT and errors.motion > MOTION)
+    if (free and turned > TURNED) or (turned > BENT and errors.motion > MOTION):
+        return True
+    return turned > SHALLOW and _passes_unstable_states(discrete, halved)
+
+
+def _passes_unstable_states(discrete: DiscreteModel, halved: HalvedSteps) -> bool:
+    """Return whether a motion goes through states from which it would leave by itself, as an arch that snaps does.
+
+    Some are looked at on the way to where it is farthest from its start.
+    """
+    states = halved.states
+    begin = halved.start.r
+    far = np.array([np.linalg.norm(state.r - begin) for _, state in states])
+    if not far.any():
+        return False
+    way = far[: int(np.argmax(far)) + 1] / far.max()
+    for k in sorted({int(np.argmin(np.abs(way - level))) for level in LEVELS}):
+        t, state = states[k]
+        static = discrete.static
+        static.restore(state, t, before=True, scale=1.0)
+        if static.surely_stable(state, t, before=True, scale=1.0):
+            continue
+        if negative_eigenvalues(static.tangent_here(state, t, before=True, scale=1.0)):
+            return True
+    return False
 
 
 def told_by_second_run(

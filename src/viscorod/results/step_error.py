@@ -19,9 +19,10 @@ FORCE = 0.5  # accepted error of section forces or moments, as a part of the lar
 def step_errors(attrs: Mapping[str, Any]) -> dict[str, float]:
     """Return the estimated errors of a motion by its steps (``solve.transient.step_errors``).
 
-    They are what single steps err by, added up over the run: the largest at any node and any time. Section forces are
-    those of small vibrations about the start; axial forces that come of turning, in whirling shafts, may be off by ten
-    times as much.
+    They are what single steps err by, added up over the run: the largest at any node and any time. Where a motion may
+    make them grow, as tumbling bodies, linked pendulums and arches that snap do, positions and rotations are those by
+    which a second run with smaller steps differs (``analyses.second_run``). Section forces are those of small
+    vibrations about the start; axial forces that come of turning, in whirling shafts, may be off by ten times as much.
 
     Args:
         attrs: attributes of the result.

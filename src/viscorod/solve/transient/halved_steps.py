@@ -104,6 +104,9 @@ class HalvedSteps:
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
         turning: parts may turn against each other, and their motions with them.
+
+    Attributes:
+        states: at the ends of these steps, with their times [s].
     """
 
     def __init__(
@@ -123,6 +126,7 @@ class HalvedSteps:
         self.unit = np.repeat([problem.length, 1.0], 3)
         self._trials = Trials(*np.zeros((2, problem.size, 6)))
         self._unseen: list[TriedStep] = []
+        self.states: list[tuple[float, State]] = []
         self.power, self.seen = order + 1, 1.0
         self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
@@ -141,6 +145,12 @@ class HalvedSteps:
         """The integrator of the run."""
         assert self._run is not None
         return self._run
+
+    @property
+    def start(self) -> State:
+        """The state at t = 0."""
+        assert self._start is not None
+        return self._start
 
     def begin(self, integrator: Integrator, duration: float) -> None:
         """Note where a run of ``duration`` [s] has begun, at t = 0."""
@@ -257,6 +267,7 @@ class HalvedSteps:
         trials = self._trials
         _, _, _, *columns = zip(*steps, strict=True)
         middle, whole, better_middle, better = map(_Several.of, columns)
+        self.states += [(step.end, step.better.state) for step in steps]
         within = np.abs(self._away(middle, better_middle)).max(axis=0)
         if self.strains:
             inside = _largest(middle.section_force - better_middle.section_force)
