@@ -287,6 +287,20 @@ def test_what_is_on_disk_is_not_computed_again(swing, fields, tmp_path, monkeypa
     assert len(done) == 5  # other numbers are other members
 
 
+@pytest.mark.filterwarnings("ignore")  # those of the member are looked at
+def test_what_members_warn_of_is_in_the_table(swing, tmp_path):
+    """Of a member whose errors are estimated what its run alone warns of, wherever it was computed; else nothing."""
+    alone = run_case(swing).warnings
+    assert any("section forces may be off" in text for text in alone)
+    given = {"quantities": {"tip": TIP}, "executor": "threads:2", "errors": 1, "folder": tmp_path}
+    found = vr.sweep(swing, {SHEAR: [0.02, 0.03]}, **given)
+    for sweep in (found, vr.load(tmp_path)):
+        table = sweep.table()
+        assert table["outcome"].tolist() == ["completed", "completed"]
+        assert table["message"].tolist() == ["; ".join(f"warning: {text}" for text in alone), ""]
+        assert flat(f"member 0: warning: {alone[0]}") in flat(sweep.report())
+
+
 def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):
     def fails(case, **options):
         if case.content["materials"]["rubber"]["damping"]["shear_time"] == 0.02:
@@ -294,7 +308,7 @@ def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):
         return run_case(case, **options)
 
     monkeypatch.setattr(member_work, "run_case", fails)
-    given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path}
+    given = {"quantities": {"tip": TIP}, "workers": 1, "folder": tmp_path, "errors": 0}
     vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given)
     monkeypatch.setattr(member_work, "run_case", lambda *_, **__: pytest.fail("computed again"))
     table = vr.sweep(swing, {SHEAR: [0.01, 0.02]}, **given).table()

@@ -123,13 +123,12 @@ def sweep(
     if store is not None:
         names = member_names(case, rows, wanted, keep)
         store.take(names, found)
-        if retry:
-            for k in np.flatnonzero(~found.completed()).tolist():
-                found.pop(k, None)
     elif retry:
         why = "there is no folder with members that failed"
         raise InputError(Fault("retry", show(retry), why, "give folder, or leave it out"))
     chosen = _chosen(len(rows), members)
+    for k in [k for k in chosen if retry and k in found and not found.is_completed(k)]:
+        del found[k]
     due = [k for k in chosen if k not in found]
     # what is there already was looked at before
     some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])

@@ -97,8 +97,9 @@ class MemberWork:
             found = _compute(case, errors, tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
+        doubts = result.warnings if errors and result is not None and outcome == COMPLETED else []
         parts = {
-            "message": "; ".join(filter(None, [message, *wrong])),
+            "message": "; ".join(filter(None, [message, *wrong, *(f"warning: {text}" for text in doubts)])),
             "outcome": outcome,
             "quantities": numbers,
             "measured": {} if self.keep and self.folder is None else figures_of(result),
