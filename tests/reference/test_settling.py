@@ -421,3 +421,58 @@ def test_a_heated_bar_between_clamps_bows_out(strain: float) -> None:
     rise = np.sqrt(m) * length(m) / ellipk(m)
     assert np.linalg.norm(found.displacement("bar@0.5")) == pytest.approx(rise, rel=2e-4)
     assert settled(found)
+
+
+@pytest.mark.parametrize("held", [False, True])
+def test_a_beam_that_rolls_over_on_its_supports_is_told(held):
+    """Held by points on its line alone, a beam on edge lies down: 5 w L^4/384 EI about its other axis is four times."""
+    steel = vr.Material(2.1e11, 0.3, 7850.0)
+    model = vr.Model()
+    rod = vr.Rod.straight((0, 0, 0), (2, 0, 0), section=vr.Rectangle(0.02, 0.04), material=steel)
+    model.add("beam", rod)
+    if held:
+        model.support("beam.start", ("ux", "uy", "uz", "rx"))
+    else:
+        model.pin("beam.start")
+    model.support("beam.end", ("uy", "uz"))
+    model.gravity((0, 0, -9.81))
+    found = model.equilibrium()
+    second = 0.02 * 0.04**3 / 12.0 if held else 0.04 * 0.02**3 / 12.0
+    sag = 5.0 * 7850.0 * 0.02 * 0.04 * 9.81 * 2.0**4 / (384.0 * 2.1e11 * second)
+    assert found.displacement("beam@1.0")[2] == pytest.approx(-sag, rel=4e-3)  # it shears, too
+    told = [text for text in found.warnings if "has turned by" in text]
+    assert bool(told) != held
+    if not held:
+        assert "rotation about x" in told[0]
+        assert "has turned by 90 degrees" in told[0]
+    for other in (model.modes(2), model.simulate(1e-3)):
+        assert any("has turned by 90 degrees" in text for text in other.warnings) != held
+
+
+def test_a_truss_that_falls_over_is_told_and_a_pendulum_is_not():
+    """Three bars on two supports, drawn upright, hang from the line through these; a rod on one is meant to swing."""
+    steel = vr.Material(2.1e11, 0.3, 7850.0)
+    section = vr.Circle(0.02)
+    model = vr.Model()
+    for name, start, end in (
+        ("left", (0, 0, 0), (1, 0, 1)),
+        ("right", (2, 0, 0), (1, 0, 1)),
+        ("base", (0, 0, 0), (2, 0, 0)),
+    ):
+        model.add(name, vr.Rod.straight(start, end, section=section, material=steel))
+    model.rigid("left.end", "right.end")
+    model.rigid("left.start", "base.start")
+    model.rigid("right.start", "base.end")
+    model.pin("base.start")
+    model.support("base.end", ("uy", "uz"))
+    model.force("left.end", (0, 0, -100.0))
+    found = model.equilibrium()
+    assert found.position("left.end")[2] == pytest.approx(-1.0, abs=1e-3)
+    assert any("has turned by 180 degrees" in text for text in found.warnings)
+    pendulum = vr.Model()
+    pendulum.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=steel))
+    pendulum.pin("rod.start")
+    pendulum.gravity()
+    hanging = pendulum.equilibrium()
+    assert hanging.position("rod.end")[2] == pytest.approx(-1.0, abs=1e-3)
+    assert not hanging.warnings

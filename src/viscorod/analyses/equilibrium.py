@@ -273,4 +273,8 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
 
     if not search.run(state, on_step=on_step):
         raise SolveError(f"The initial equilibrium was not found. {search.failure()}", coarse=search.coarse)
+    told = json.loads(discrete.attributes.get("doubts", "[]"))
+    new = [one for one in search.fallen if one not in told]
+    if new:
+        discrete.attributes["doubts"] = json.dumps([*told, *new])
     return search

@@ -6,7 +6,10 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
 
+import numpy as np
+
 from viscorod.analyses.discrete import DiscreteModel, named, unheld
+from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.free_motion import FreeMotion
 from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.constraints.rigid_motions import free_motions
@@ -24,8 +27,32 @@ FULL_TURN = 2.0 * math.pi * (1.0 + 1e-9)
 TORN = f"parts of it moved by more than {FAR:g} times its size; check the loads against the stiffness, and their units"
 """What is said where a model that supports hold is pulled apart."""
 
+TURNED, TOGETHER, FLAT = 0.1, 0.9, 1e-4
+"""Angle [rad] by which a model has turned as a whole that is told; part of it that does so together; part of the larger
+spread of its places below which they are in a line."""
+
 CRUSHED = -0.1
 """Stretch below which a straight rod is one that load steps have crushed: beyond what the material law is meant for."""
+
+
+def turned_together(before: State, after: State) -> float:
+    """Return the angle [rad] by which a model has turned as a whole, by its sections or its places; 0 if it has not.
+
+    The mean rotation of the sections is that whose outer products are the mean ones (Markley et al. 2007); that of the
+    places is the rotation that brings them nearest to where they are (Kabsch 1976), unless they are in a line.
+    """
+    turns = product(after.q, conjugate(before.q))
+    weights, axes = np.linalg.eigh(turns.T @ turns / len(turns))
+    angle = 2.0 * math.acos(min(1.0, abs(float(axes[0, -1])))) if weights[-1] > TOGETHER else 0.0
+    was, now = (r - r.mean(axis=0) for r in (before.r, after.r))
+    left, sizes, right = np.linalg.svd(was.T @ now)
+    if sizes[1] > FLAT * sizes[0]:
+        sign = np.sign(np.linalg.det(left @ right))
+        turn = left @ np.diag([1.0, 1.0, sign]) @ right
+        if np.linalg.norm(was @ turn - now) < (1.0 - TOGETHER) * np.linalg.norm(was):
+            angle = max(angle, math.acos(min(1.0, max(-1.0, 0.5 * (float(np.trace(turn)) - 1.0)))))
+    return angle
+
 
 OnStep = Callable[[float, State, int], None]
 
@@ -43,6 +70,7 @@ class Search:
         origin: where it begins, in words; near: a state near by, which settling tries before it begins there;
             resumed: whether this led to the result.
         steps: the load steps; settling: what came after them, None if it was not needed.
+        turned: angle [rad] by which the model has turned as a whole, where supports at several places let it.
         stability: of the equilibrium at the end.
     """
 
@@ -58,6 +86,7 @@ class Search:
     resumed: bool = False
     steps: StaticPath = field(default_factory=StaticPath)
     settling: SettlingReport | None = None
+    turned: float = 0.0
     stability: Stability = field(default_factory=lambda: Stability(0, 0, False))
 
     def run(self, state: State, *, stops: Sequence[float] = (), on_step: OnStep | None = None) -> bool:
@@ -89,7 +118,13 @@ class Search:
                     return True
             if self.coarse or (self.steps.outcome is Outcome.INSIDE_OUT and not self._moves()):
                 return False
-        return self.allowed and self._settle(start, state)
+        if not (self.allowed and self._settle(start, state)):
+            return False
+        problem = self.discrete.problem
+        hung = len(set(problem.supports.nodes.tolist())) < 2  # as a pendulum is, to swing where it likes
+        if self.loose and not hung and not any(rod.is_cable for rod in self.discrete.model.rods.values()):
+            self.turned = turned_together(start, state)
+        return True
 
     def _moves(self) -> bool:
         """Return whether motions are prescribed, with which other shapes than the straight one may go."""
@@ -190,6 +225,17 @@ class Search:
         return f"{text}; where several equilibria are stable, this is one of them"
 
     @property
+    def fallen(self) -> list[str]:
+        """A warning where the model has turned as a whole because supports let it."""
+        if self.turned <= TURNED:
+            return []
+        return [
+            f"supports leave it {named(self.loose)}, and it has turned by {math.degrees(self.turned):.3g} degrees "
+            "from where it was drawn, to where the loads hold it; if that is not meant, hold the rotation at a "
+            "support (such as rx)"
+        ]
+
+    @property
     def doubts(self) -> list[str]:
         """Warnings about an equilibrium that was found."""
         if self.wound:
@@ -198,6 +244,8 @@ class Search:
                 "sought, because rotations of more than a full turn are prescribed, and rods may pass "
                 "through each other then (search = true seeks one)"
             ]
+        if self.fallen:
+            return self.fallen
         if self.settling is None or self.settling.found or self.stability.unstable == 0:
             return []
         return [
