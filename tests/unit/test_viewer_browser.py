@@ -396,6 +396,16 @@ def test_the_view_is_saved_as_a_picture(shown):
     assert page.errors == []
 
 
+def test_values_below_rounding_are_told_as_zero(shown):
+    """A coordinate that begins at 1e-27 m and moves far: its first value had been told as it is."""
+    page = shown(moving())
+    told = "(() => { const told = viscorod.toldOf([[1e-27, 3.0], [0.5]]); return [1e-27, -1e-12, 1e-9].map(told); })()"
+    zero, rounding, small = page.run(told)
+    assert zero == rounding == "0"
+    assert small == "1e\u22129"
+    assert page.run("viscorod.toldOf([[1e-27, 2e-27]])(1e-27)") != "0"
+
+
 def test_another_motion_is_drawn_beside_it(shown, tmp_path):
     run, other = moving(), Run(synthetic_results.swing(zeta=0.2, duration=4.0))
     page = shown(run)

@@ -62,18 +62,34 @@ def test_campbell_page_has_the_numbers_of_the_diagram(page, diagram):
     assert [cells[2] for cells in critical["rows"]] == [one.speed for one in diagram.critical_speeds]
 
 
+PREFIXES = {"n": 1e-9, "µ": 1e-6, "m": 1e-3, "": 1.0}
+
+
+def in_si(label, unit):
+    """Factor to SI of an axis, "amplitude [µm]", whose values have a prefix."""
+    shown = label.partition("[")[2].removesuffix("]")
+    assert shown.endswith(unit)
+    return PREFIXES[shown.removesuffix(unit)]
+
+
 def test_periodic_page_has_cycles_loops_and_multipliers(page, motions):
     """The area of a loop is the work of a cycle; a polygon of 96 sides lacks (2 pi/96)^2/6 of an ellipse."""
     meta, row, _ = page(motions)
     amplitude, course = of_title(meta, "Amplitude of beam@0.2 uz"), of_title(meta, "A cycle of beam@0.2 uz")
-    assert row(amplitude["curves"][0]["y"]) == pytest.approx(motions.amplitude(0), rel=1e-6)
+    size = in_si(amplitude["y"], "m")
+    assert size < 1e-3  # the motion is small: its axis has a prefix
+    assert size * row(amplitude["curves"][0]["y"]) == pytest.approx(motions.amplitude(0), rel=1e-6)
     loop, circle = of_title(meta, "Loop"), of_title(meta, "Floquet")
+    joule = in_si(loop["x"], "m") * in_si(loop["y"], "N")
+    loss = of_title(meta, "Energy lost")
+    assert in_si(loss["y"], "J") * row(loss["curves"][0]["y"]) == pytest.approx(motions.loss, rel=1e-6)
     for k in range(len(motions.frequencies)):
         moved, force = (row([loop["curves"][0][side][0], k]) for side in "xy")
         area = abs(0.5 * np.sum(moved[:-1] * force[1:] - moved[1:] * force[:-1]))
-        assert area == pytest.approx(motions.work[k], rel=2.0 * (2.0 * np.pi / 96) ** 2 / 6.0)
+        assert joule * area == pytest.approx(motions.work[k], rel=2.0 * (2.0 * np.pi / 96) ** 2 / 6.0)
         cycle = row([course["curves"][0]["y"][0], k])
-        assert 0.5 * np.ptp(cycle) == pytest.approx(motions.amplitude(0)[k], rel=3e-3)
+        swing = 0.5 * in_si(course["y"], "m") * np.ptp(cycle)
+        assert swing == pytest.approx(motions.amplitude(0)[k], rel=3e-3)
         real, imaginary = (row([circle["curves"][0][side][0], k]) for side in "xy")
         assert real + 1j * imaginary == pytest.approx(motions.multipliers[k], rel=1e-5, abs=1e-7)
     assert [choice["names"] for choice in meta["choices"]] == [

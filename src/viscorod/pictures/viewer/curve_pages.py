@@ -198,8 +198,9 @@ def _periodic(result: Periodic, most: int) -> CurveParts:
     phase = parts.rows(np.linspace(0.0, 1.0, INSTANTS + 1)[None])
     rows: list[list[Any]] = [[f"frequency [{hz}]", (hertz, 0)], ["factor of the amplitudes", (level, 0)]]
     for k, (name, unit) in enumerate(zip(result.outputs, units, strict=True)):
-        size = result.amplitude(k)
-        y, word = parts.rows(size[chosen][None]), f"amplitude [{unit}]"
+        factor, name_of_unit = scaled(unit, result.amplitude(k))
+        size = factor * result.amplitude(k)
+        y, word = parts.rows(size[chosen][None]), f"amplitude [{name_of_unit}]"
         marks = [
             {
                 "x": float((result.levels if over == "level" else scale * result.frequencies)[at]),
@@ -221,12 +222,14 @@ def _periodic(result: Periodic, most: int) -> CurveParts:
             when={output: k},
             follows=True,
         )
-        course = parts.rows(_closed(np.array([result.course(int(p), k, INSTANTS)[1] for p in chosen])))
+        cycles = np.array([result.course(int(p), k, INSTANTS)[1] for p in chosen])
+        factor, cycle_unit = scaled(unit, cycles)
+        course = parts.rows(factor * _closed(cycles))
         parts.chart(
-            f"A cycle of {name}", "part of the period", f"[{unit}]",
+            f"A cycle of {name}", "part of the period", f"[{cycle_unit}]",
             [parts.curve(name, (phase, 0), (course, -1), colour=1)], when={output: k}, side=True,
         )  # fmt: skip
-        rows.append([f"amplitude of {name} [{unit}]", (y, 0)])
+        rows.append([f"amplitude of {name} [{name_of_unit}]", (y, 0)])
         if free:
             ratio = parts.rows(100.0 * result.damping_ratios[chosen][None])
             parts.chart(
@@ -236,8 +239,9 @@ def _periodic(result: Periodic, most: int) -> CurveParts:
     _energies(result, parts, (x, along), dashed)
     _loops(result, parts)
     _multipliers(result, parts)
-    for words, values in (("work of a cycle [J]", result.work), ("loss of a cycle [J]", result.loss)):
-        rows.append([words, (parts.rows(values[chosen][None]), 0)])
+    for words, values in (("work", result.work), ("loss", result.loss)):
+        factor, joule = scaled("J", values)
+        rows.append([f"{words} of a cycle [{joule}]", (parts.rows(factor * values[chosen][None]), 0)])
     rows.append(
         ["damping ratio, loss over 8 pi kinetic [1]", (parts.rows(result.damping_ratios[chosen][None]), 0)]
     )
@@ -265,9 +269,10 @@ def _energies(
     result: Periodic, parts: CurveParts, x: tuple[str, str], dashed: tuple[str, int] | None
 ) -> None:
     if result.inputs:
-        loss = parts.rows(result.loss[parts.chosen][None])
+        factor, unit = scaled("J", result.loss)
+        loss = parts.rows(factor * result.loss[parts.chosen][None])
         parts.chart(
-            "Energy lost in a cycle", x[1], "loss [J]",
+            "Energy lost in a cycle", x[1], f"loss [{unit}]",
             [parts.curve("loss", (x[0], 0), (loss, 0), dashed=dashed, colour=2)], follows=True,
         )  # fmt: skip
 
@@ -281,11 +286,14 @@ def _loops(result: Periodic, parts: CurveParts) -> None:
     choice = parts.choice("Loop of", tuple(result.inputs[k] for k in loads))
     for number, k in enumerate(loads):
         found = np.array([result.loop(int(p), k, INSTANTS) for p in parts.chosen])
-        moved, force = (parts.rows(_closed(found[:, side])) for side in (0, 1))
+        unit = str(result.data["input_unit"].values[k])
+        length, moves = scaled("rad" if unit == "N m" else "m", found[:, 0])
+        size, loads_in = scaled(unit, found[:, 1])
+        moved, force = parts.rows(length * _closed(found[:, 0])), parts.rows(size * _closed(found[:, 1]))
         parts.chart(
             f"Loop of {result.inputs[k]}: its area is the work of a cycle",
-            "displacement [m], or rotation [rad]",
-            f"[{result.data['input_unit'].values[k]}]",
+            f"{'rotation' if unit == 'N m' else 'displacement'} [{moves}]",
+            f"[{loads_in}]",
             [parts.curve(result.inputs[k], (moved, -1), (force, -1), colour=2)],
             when={choice: number},
             side=True,

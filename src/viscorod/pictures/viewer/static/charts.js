@@ -73,10 +73,18 @@ viscorod.Chart = class {
 viscorod.DASHES = [[7, 4], [2, 3], [9, 3, 2, 3]];
 viscorod.PALETTE = [0, 1, 2].map((k) => () => viscorod.style(`--curve-${k}`));
 
+/* What writes values of curves: one below the rounding of the largest of them all is 0. */
+viscorod.toldOf = function (curves) {
+  let size = 0;
+  for (const curve of curves) for (const v of curve) if (Math.abs(v) > size) size = Math.abs(v);
+  return (v) => (v === null || v === undefined ? "" : viscorod.text(Math.abs(v) < 1e-12 * size ? 0 : v));
+};
+
 viscorod.historyChart = function (place, group, x, array, common, main) {
   const count = x.length;
   const curves = group.curves.map((_, k) => array.values.subarray(k * count, (k + 1) * count));
-  const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
+  const told = viscorod.toldOf([array.values]);
+  const value = (_, v) => told(v);
   const series = group.curves.map((name, k) => ({ label: name, stroke: viscorod.PALETTE[k % 3], width: group.curves.length > 1 && group.place && k !== main ? 1.2 : 2, value, points: { show: count < 3 } }));
   // those of other results, dashed; gaps where they have nothing
   for (const [k, other] of (group.others || []).entries()) {
@@ -107,7 +115,8 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   const sums = [];
   for (let k = 0; k < layers; k++) sums.push(k ? rows[k].map((value, j) => value + sums[k - 1][j]) : rows[0]);
   const fills = layers === 1 ? ["#56b4e9"] : ["#009e73", "#e69f00", "#56b4e9", "#0072b2"].slice(-layers);
-  const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : viscorod.text(row[index]));
+  const told = viscorod.toldOf(rows);
+  const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : told(row[index]));
   // the highest first, so that lower ones are drawn over it
   const order = [...Array(layers).keys()].reverse();
   const series = order.map((k) => ({ label: energy.stacked[k], stroke: fills[k], fill: fills[k], width: 0.5, value: own(rows[k]), points: { show: count < 3 } }));
