@@ -225,7 +225,7 @@ def test_what_is_refused_replaces_nothing_and_does_not_say_so(case, tmp_path, mo
     again = CliRunner().invoke(app, first)
     assert again.exit_code == 0
     assert f"{folder.relative_to(tmp_path) / 'sweep.nc'} of " in flat(again.stderr)
-    assert "is replaced; name another folder" in flat(again.stderr)
+    assert "is replaced when this is done; name another folder" in flat(again.stderr)
 
 
 def test_an_executor_of_threads_is_opened_and_shut_down():
