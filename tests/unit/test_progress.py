@@ -41,3 +41,12 @@ def test_curves_that_fall_or_have_no_known_end(capsys):
     with progress.reporting(Course("load", "", 0.0, None)) as report:
         report(3.0, 1.0)
     assert not capsys.readouterr().err
+
+
+def test_what_is_computed_again_is_told_again(capsys):
+    """Once more from the start, on a finer mesh or with smaller steps; not where a curve goes back on its way."""
+    with progress.reporting(Course("t", " s", 0.0, 10.0)) as report:
+        for reached in (5.0, 3.0, 5.0, 10.0, 5.0, 10.0):
+            report(reached, 5.0)
+    told = [line.split(",")[0] for line in capsys.readouterr().err.splitlines()]
+    assert told == ["t = 5 of 10 s", "t = 10 of 10 s"] * 2

@@ -59,7 +59,8 @@ class CallOptions:
 
     Attributes:
         title: kept with the result.
-        progress: called with what has been reached and the size of the last step.
+        progress: called with what has been reached and the size of the last step; from the start again where the
+            computation is made again, on a finer mesh or with smaller steps.
         stop: asked regularly; a reason that it returns ends the computation.
         folder: where the states of a motion go as they come; None keeps them in memory.
         resume: go on with the motion that was stopped in that folder.

@@ -113,16 +113,19 @@ def _bar(course: Course) -> Iterator[Progress]:
 
 
 def _lines(course: Course) -> Progress:
-    shown, name, unit = 0, course.name, course.unit
+    shown, before, name, unit = 0, 0.0, course.name, course.unit
     first: tuple[float, float] | None = (
         None  # when and where the first step ended; the time before it was preparation
     )
 
     def update(reached: float, step: float) -> None:
-        nonlocal shown, first
+        nonlocal shown, before, first
         now = time.monotonic()
-        first = first or (now, reached)
         done = course.part(reached)
+        if done < before and before >= 1.0:  # computed again: on a finer mesh, or with smaller steps
+            shown, first = 0, None
+        before = done
+        first = first or (now, reached)
         part = int(_LINES * done * (1.0 + 1e-9))
         if part > shown:
             shown = part
