@@ -99,13 +99,13 @@ class HeldCoordinates:
     def rate_gaps(self, state: State) -> Floats:
         """Return the rates of all gaps ``(places,)`` [1/s and units of the gaps], 0 where velocities are allowed."""
         _, rate, _ = self.measure(state)
-        strains = self._strains(state)[1] if self._measures_strains else None
+        strains = self._strains(state)[1] if self.measures_strains else None
         return self._by_place(rate - self.target_rate, strains)
 
     def gaps(self, state: State) -> Floats:
         """Return all gaps ``(places,)``, 0 where positions are as the last :meth:`update` wants them."""
         value, _, _ = self.measure(state)
-        strains = self._strains(state)[0] if self._measures_strains else None
+        strains = self._strains(state)[0] if self.measures_strains else None
         return self._by_place(value - self.target, strains)
 
     def _by_place(self, coordinates: Floats, strains: Floats | None) -> Floats:
@@ -117,7 +117,7 @@ class HeldCoordinates:
         return out
 
     @property
-    def _measures_strains(self) -> bool:
+    def measures_strains(self) -> bool:
         """Whether held strains may be anything but zero."""
         return len(self.held.place) > 0 and not (self.between_steps and self.strains_as_states)
 
@@ -125,12 +125,12 @@ class HeldCoordinates:
         """Return strains and their rates ``(1, e, points, 6)`` in a state."""
         if self.strains_as_states is not None:
             return self.strains_as_states(state)
-        points, work, force = self._evaluation
+        points, work, force = self.evaluation
         internal_forces(self.elements, state.r[None], state.q[None], state.twist[None], points, work, force)
         return points.strain, points.strain_rate
 
     @cached_property
-    def _evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
+    def evaluation(self) -> tuple[GaussStates, ElementWork, Floats]:
         """Work arrays of :meth:`_strains`."""
         width = self.elements.nodes.shape[1]
         return (

@@ -101,7 +101,7 @@ class Company:
         return self.leader.factors_of(h)
 
     def _solve_with(self, one: Collocation, systems: StageSystems) -> None:
-        one.systems, one.recorder.solve_real = systems, systems.solve_real
+        one.systems = one.recorder.systems = systems
 
     def correct(self, one: Collocation) -> None:
         """Correct the predicted stages by what those of others lacked, but for a step that is tried again.

@@ -8,11 +8,13 @@ import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.solve.constraints.constraints import Constraints, JointState
-from viscorod.solve.constraints.projection import close_gaps, with_allowed_velocities
+from viscorod.solve.constraints.projection import with_allowed_velocities
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
+from viscorod.solve.transient.integrators.closed_states import Closed, ClosedStates, Wanted
 from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
 from viscorod.solve.transient.integrators.stage_data import Matrices
+from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats
 
@@ -29,10 +31,13 @@ class StageConstraints:
             fastest one, so far.
     """
 
+    unsaved = frozenset({"_closed"})
+
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
         constraints.ball_motors.moving = True
         self.arrays = ConstraintArrays.of(constraints, len(tableau.nodes))
+        self._closed = ClosedStates(constraints)
         self.drift = 0.0, 0.0
         c = constraints.joints.count
         self._multiplier = np.zeros(len(constraints.gap))  # at t
@@ -149,26 +154,33 @@ class StageConstraints:
 
     def between(
         self,
-        states: list[State],
+        states: tuple[Floats, Floats, Floats],
         parts: Floats,
         times: Floats,
-        solve: Callable[[Floats], Floats],
+        systems: StageSystems,
     ) -> JointState:
-        """Return the joints in ``states``, which are closed, ``(k, c)``.
+        """Return the joints ``(k, c)`` in ``states``, which are closed: poses and twists ``(k, n, ...)``.
 
         Args:
             parts, times: of the last step, and the times [s] of the states.
-            solve: with the real matrix of the step.
+            systems: of the step.
         """
         constraints, exerted = self.constraints, self.arrays.states.force
         weights = self.tableau.polynomials(parts)
         forces = self._earlier + weights @ (exerted - self._earlier)
-        found = []
-        constraints.between_steps = True
-        for state, force, t in zip(states, forces, times, strict=True):
+        wanted = Wanted(*np.empty((3, *forces.shape)))
+        for k, t in enumerate(times):
             constraints.update(t)
-            self.drift = max(self.drift[0], close_gaps(constraints, state, solve)), self.drift[1]
-            value, rate, _ = constraints.measure(state)
-            found.append(constraints.state_of(value, rate, force))
+            wanted.target[k], wanted.rate[k] = constraints.target, constraints.target_rate
+            wanted.near[k] = constraints.near
+        closed = Closed(*states, *np.empty((2, *forces.shape)))
+        constraints.between_steps = True
+        left = self._closed.close(systems, wanted, closed)
         constraints.between_steps = False
+        self.drift = max(self.drift[0], left), self.drift[1]
+        found = []
+        for t, *fields in zip(times, closed.value, closed.rate, forces, strict=True):
+            if len(constraints.ball_motors.coordinates):
+                constraints.update(t)
+            found.append(constraints.state_of(*fields))
         return JointState(*map(np.array, zip(*found, strict=True)))

@@ -93,7 +93,7 @@ class StageModel:
             supports,
             system.gauss_indices(),
             self.stage_constraints,
-            self.systems.solve_real,
+            self.systems,
         )
         self.ends = Ends.none()
         self.matrices = Matrices.of(body)

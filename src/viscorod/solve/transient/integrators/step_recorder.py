@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
@@ -26,6 +24,7 @@ from viscorod.solve.transient.integrators.record_kernels import (
 )
 from viscorod.solve.transient.integrators.stage_constraints import StageConstraints
 from viscorod.solve.transient.integrators.stage_data import Discretisation, Stages, SupportMotion
+from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.step_task import StepAccount
 from viscorod.solve.transient.integrators.tableau import Tableau
 from viscorod.typing import Floats, Integers
@@ -37,7 +36,7 @@ class StepRecorder:
     Args:
         body, motion, stages, tableau: of the method; supports: correct what is interpolated where they hold in part.
         places: where the Gauss points of the results are in the arrays of the stages, flattened.
-        stage_constraints: joints, if there are any; solve_real: with the real matrix of the last step.
+        stage_constraints: joints, if there are any; systems: of the last step.
 
     Attributes:
         snapshot: everything at the present time; strain: largest shear or stretch there.
@@ -45,7 +44,7 @@ class StepRecorder:
 
     snapshot: Snapshot
 
-    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "start_rate"})
+    unsaved = frozenset({"_held", "_inner", "_reactions", "_start", "start_rate", "systems"})
 
     def __init__(
         self,
@@ -56,14 +55,14 @@ class StepRecorder:
         supports: SupportState,
         places: Integers,
         stage_constraints: StageConstraints | None,
-        solve_real: Callable[[Floats], Floats],
+        systems: StageSystems,
     ) -> None:
         self.body, self.motion, self.stages, self.tableau = body, motion, stages, tableau
         self.supports = supports
         self._held = supports.moving and body.partly  # poses within steps are corrected
         self._inner = tableau.exact_inside
         self.reading = Reading.of(places, body.mass, body.split, body.supports)
-        self.stage_constraints, self.solve_real = stage_constraints, solve_real
+        self.stage_constraints, self.systems = stage_constraints, systems
         self.strain = 0.0
         self._fields = np.empty((3, len(places), 6))
         self._start: tuple[State, Floats, Floats]  # of the last step: state, fields, reactions
@@ -167,19 +166,15 @@ class StepRecorder:
             weights = self.tableau.polynomials(parts)[:, : len(inner)]
             correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
             found = found.first(count)
-        states: list[State] = []
-        if held or self.stage_constraints is not None:
-            states = [
-                State(*fields, new.multiplier) for fields in zip(found.r, found.q, found.twist, strict=True)
-            ]
         if held:
-            for state, part in zip(states, parts, strict=True):
-                self.supports.correct(state, t - (1.0 - part) * h)
+            for r, q, twist, part in zip(found.r, found.q, found.twist, parts, strict=True):
+                self.supports.correct(State(r, q, twist, new.multiplier), t - (1.0 - part) * h)
         if corrected:
             self.reading_between.call(parts, *given, False, True, found)
         joints = None
         if self.stage_constraints is not None:
-            joints = self.stage_constraints.between(states, parts, t - (1.0 - parts) * h, self.solve_real)
+            states, times = (found.r, found.q, found.twist), t - (1.0 - parts) * h
+            joints = self.stage_constraints.between(states, parts, times, self.systems)
         (strain, rate, force), (kinetic, work, loss, nothing) = found.fields.points, found.energies
         snapshots = Snapshots(
             found.r,
