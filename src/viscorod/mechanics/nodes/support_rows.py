@@ -280,6 +280,45 @@ def impose_tangent(
 
 
 @kernel
+def project_twists(
+    supports: SupportedNodes,
+    rows: Integers,
+    target: Floats,
+    rate: Floats,
+    turning: Floats,
+    r: Floats,
+    q: Floats,
+    directions: Directions,
+    twist: Floats,
+) -> None:
+    """Give nodes that are held in part exactly the prescribed velocity components, along free directions nothing more.
+
+    Args:
+        rows: of these supports ``(p,)``; target, rate: prescribed values of all and their rates ``(m, 6)``.
+        turning: body twists with which their held rotations alone would turn them ``(p, 6)``.
+        r, q, twist: of all nodes; directions: scratch of one support.
+    """
+    nodes, fixed, axes = supports.nodes, supports.fixed, supports.axes
+    G, Z, gap = directions.G, directions.Z, directions.value
+    for i in range(rows.shape[0]):
+        s = rows[i]
+        k = nodes[s]
+        support_directions(supports, s, target, r, q, 0, directions)
+        for a in range(6):
+            wanted = rate[s, a]
+            if a >= 3 and not in_body(axes[s]):
+                wanted = 0.0
+                for b in range(3, 6):
+                    wanted += G[0, a, b] * turning[i, b]
+            for b in range(6):
+                wanted -= G[0, a, b] * twist[k, b]
+            gap[0, a] = fixed[s, a] * wanted
+        for a in range(6):
+            for b in range(6):
+                twist[k, a] += Z[0, a, b] * gap[0, b]
+
+
+@kernel
 def reaction_wrenches(
     supports: SupportedNodes,
     target: Floats,

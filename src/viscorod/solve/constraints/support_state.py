@@ -16,7 +16,9 @@ from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
-CONSTANT = frozenset({"directions", "_impose", "_impose_tangent", "complete", "partial", "q0", "r0"})
+CONSTANT = frozenset(
+    {"directions", "_impose", "_impose_tangent", "_project", "complete", "partial", "q0", "r0"}
+)
 STILL = frozenset({"acceleration", "rate", "target", "twist", "twist_rate"})
 """What never changes, and what else does not where no support moves: motions that go on need none of it."""
 
@@ -42,6 +44,7 @@ class SupportState:
             KnownTypes(supports.impose),
             KnownTypes(supports.impose_tangent),
         )
+        self._project = KnownTypes(supports.project_twists)
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
@@ -244,15 +247,12 @@ class SupportState:
 
     def project_twists(self, state: State) -> None:
         """Give partially supported nodes exactly the prescribed velocity components."""
+        if len(self.partial) == 0:
+            return
         _, _, turning, _ = self._prescribed(self.partial)
-        for k, own in zip(self.partial, turning, strict=True):
-            node = self.set.nodes[k]
-            _, G, Z, _ = self._directions(int(k), state)
-            wanted = self.rate[k].copy()
-            if not self.set.in_body[k]:
-                wanted[3:] = G[3:, 3:] @ own[3:]
-            gap = self.set.fixed[k] * (wanted - G @ state.twist[node])
-            state.twist[node] += Z @ gap
+        project = self._project.suited(state.r, state.q, state.twist)
+        given = self.nodes, self.partial, self.target, self.rate, turning
+        project(*given, state.r, state.q, supports.Directions.of(1), state.twist)
 
     def correct(self, state: State, t: float) -> None:
         """Put the held components of moving, partially supported nodes exactly where they are at time ``t`` [s]."""

@@ -12,11 +12,11 @@ from viscorod.mechanics.nodes import load_courses as courses
 from viscorod.mechanics.nodes.load_courses import LoadCourses, Rows
 from viscorod.model.actions.load_base import AnyLoad
 from viscorod.model.actions.load_effects import TimeFactor
-from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, Until
+from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, TimeFunction, Until
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadRows
 
-__all__ = ["course_loads"]
+__all__ = ["course_loads", "known_course"]
 
 _FORMULAS: dict[type, tuple[int, Callable[[Any], Sequence[float]]]] = {
     Constant: (courses.CONSTANT, lambda given: (given.level,)),
@@ -31,6 +31,12 @@ _FORMULAS: dict[type, tuple[int, Callable[[Any], Sequence[float]]]] = {
     TimeTable: (courses.TABLE, lambda given: given.numbers),
 }
 """Of each kind of function its formula, and what gives its numbers."""
+
+
+def known_course(function: TimeFunction) -> tuple[int, Sequence[float]] | None:
+    """Return formula and numbers of a function of time; None if it is another one."""
+    known = _FORMULAS.get(type(function))
+    return None if known is None else (known[0], known[1](function))
 
 
 def course_loads(loads: ExternalLoads) -> LoadCourses | None:
@@ -74,8 +80,8 @@ def _course(factor: TimeFactor) -> tuple[int, Sequence[float], float] | None:
         return None
     if load.time is None:
         return courses.CONSTANT, (1.0,), over
-    known = _FORMULAS.get(type(load.time))
-    return None if known is None else (known[0], known[1](load.time), over)
+    known = known_course(load.time)
+    return None if known is None else (*known, over)
 
 
 def _gathered(rows: Iterable[LoadRows | None], shape: tuple[int, ...]) -> Rows:

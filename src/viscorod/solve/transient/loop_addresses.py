@@ -8,6 +8,9 @@ from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.branch_memory import BranchRows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
+from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
+from viscorod.mechanics.nodes.support_rows import project_twists
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -29,7 +32,7 @@ __all__ = ["NOWHERE", "find_addresses"]
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
 
-_known: dict[tuple[int, bool, bool], Addresses] = {}
+_known: dict[tuple[int, bool, bool, bool, bool], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
 
 
@@ -49,12 +52,13 @@ def find_addresses(
         renewal: of Jacobians; number: of the kind of loop.
     """
     renews = _renews(integrator)
-    key = number, renews, integrator.dashpots is None
+    supports = integrator.supports
+    key = number, renews, integrator.dashpots is None, supports.moving, len(supports.partial) > 0
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
         kernels |= _of_records(integrator, model, given, states)
-        kernels |= _of_branches(integrator)
+        kernels |= _of_branches(integrator) | _of_supports(integrator, model, given)
         if renews:
             kernels |= _of_jacobians(integrator, given, renewal)
         found = _known[key] = NOWHERE._replace(**kernels)
@@ -62,9 +66,8 @@ def find_addresses(
 
 
 def _renews(integrator: Radau) -> bool:
-    """Return whether compiled code renews Jacobians, see :class:`.Renewal`."""
-    system = integrator.system
-    return isinstance(system, GeometricSystem) and not integrator.supports.moving
+    """Return whether compiled code can renew Jacobians, see :class:`.Renewal`."""
+    return isinstance(integrator.system, GeometricSystem)
 
 
 def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[str, int]:
@@ -168,6 +171,31 @@ def _of_branches(integrator: Radau) -> dict[str, int]:
         "read_branches": address(dashpots.read, 0, *dashpots.reading, rows),
         "read_within": address(dashpots.within, parts, 0, *through, *dashpots.reading, rows),
     }
+
+
+def _of_supports(integrator: Radau, model: LoopModel, given: LoopState) -> dict[str, int]:
+    """Return where the kernels of supports are that move, or that hold nodes in part."""
+    body, motion, now, found = integrator.body, integrator.actions.motion, given.now, {}
+    held, axes = body.supports, (body.supports.axes, body.supports.r0, body.supports.q0)
+    last = motion.target[-1], motion.rate[-1]
+    if integrator.supports.moving:
+        into = motion.r[0], motion.q[0], motion.twist[0], motion.twist_rate[0]
+        found["prescribe"] = address_of(
+            KnownTypes(prescribed_motion),
+            kernel_results.NOTHING,
+            lambda: (*axes, *last, np.zeros_like(last[0]), *into),
+        )
+    if len(integrator.supports.partial):
+        where = now.r, now.q, model.reading.directions, now.twist
+        found["project_twists"] = address_of(
+            KnownTypes(project_twists),
+            kernel_results.NOTHING,
+            lambda: (held, model.held.rows, *last, model.held.turning, *where),
+        )
+        found["kinetic"] = address_of(
+            KnownTypes(kinetic_energy), kernel_results.REAL, lambda: (body.mass, now.twist)
+        )
+    return found
 
 
 def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:

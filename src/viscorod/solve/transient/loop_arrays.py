@@ -6,6 +6,7 @@ import numpy as np
 
 from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
+from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.transient import amplitude
@@ -47,10 +48,11 @@ def loop_arrays(
     duration: float,
     output_interval: float | None,
     courses: LoadCourses | None,
+    motions: MotionCourses | None,
 ) -> loop_data.StepLoop:
     """Make all that a loop works on, but the addresses of the kernels; arguments as of ``ManySteps``.
 
-    ``courses`` are those of the loads that the loop knows, None if Python evaluates them.
+    ``courses`` and ``motions`` are those of loads and supports that the loop knows, None if Python evaluates them.
     """
     lent, body = integrator.lent, integrator.body
     fields, reaction = integrator.recorder.present
@@ -63,6 +65,7 @@ def loop_arrays(
             lent.reading,
             integrator.predictor.gap,
             branches,
+            _held_in_part(integrator),
         ),
         systems=loop_data.LoopSystems(*integrator.systems.blocks, *integrator.systems.real.places),
         state=state,
@@ -76,7 +79,7 @@ def loop_arrays(
         backup=_backup(state, branches.memory, lent.task.bundle.matrices, clock),
         renewal=_renewal(integrator, lent),
         message=np.zeros(4),
-        loads=_loads(integrator, courses),
+        loads=_loads(integrator, courses, motions),
         ahead=np.full(MOST_CORNERS + 1, np.inf),
     )
 
@@ -105,6 +108,11 @@ def _branches(integrator: Radau) -> loop_data.LoopBranches:
     if dashpots is None:
         return _NO_BRANCHES
     return loop_data.LoopBranches(dashpots.own, dashpots.real, dashpots.pair)
+
+
+def _held_in_part(integrator: Radau) -> loop_data.HeldInPart:
+    rows = np.ascontiguousarray(integrator.supports.partial, dtype=np.int64)
+    return loop_data.HeldInPart(rows, np.zeros((len(rows), 6)))
 
 
 def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.Batch:
@@ -180,14 +188,17 @@ def _renewal(integrator: Radau, lent: Lent) -> loop_data.Renewal:
     )
 
 
-def _loads(integrator: Radau, courses: LoadCourses | None) -> loop_data.LoopLoads:
+def _loads(
+    integrator: Radau, courses: LoadCourses | None, motions: MotionCourses | None
+) -> loop_data.LoopLoads:
     """Return the loads, which the loop writes to where steps read them."""
     given, at, offset = integrator.task.loads, len(integrator.body.mass), integrator.actions.loads.offset
     known = LoadCourses.none() if courses is None else courses
     count = len(known.formulas)
     unknown = np.full((len(given.acting), count), np.nan)
     stages = LoadSums(unknown, given.acting, given.dead, given.following, given.gravity, given.levers)
-    return loop_data.LoopLoads(known, stages, LoadSums.of(1, count, at, offset=offset))
+    moved = MotionCourses.none() if motions is None else motions
+    return loop_data.LoopLoads(known, moved, stages, LoadSums.of(1, count, at, offset=offset))
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:

@@ -16,6 +16,7 @@ from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.problem.load_courses import course_loads
+from viscorod.solve.problem.motion_courses import course_motions
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.halved_steps import HalvedSteps, Reached, TriedStep
 from viscorod.solve.transient.integrators import loop_data, step_loop
@@ -74,12 +75,13 @@ class ManySteps:
         output_interval: float | None,
     ) -> None:
         self.integrator, self.control = integrator, control
-        courses = None if integrator.supports.moving else course_loads(integrator.actions.loads)
-        self._loop = loop_arrays(integrator, control, duration, output_interval, courses)
+        courses, motions = course_loads(integrator.actions.loads), course_motions(integrator.supports.set)
+        self._loop = loop_arrays(integrator, control, duration, output_interval, courses, motions)
         self._factors = integrator.systems.factors
         self._shared: Shared[loop_data.StepLoop] | None = None
         self._callbacks: list[Callback] = []
-        self._known = courses is not None
+        self._loads_known = courses is not None
+        self._known = courses is not None and motions is not None
         self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
 
@@ -104,7 +106,7 @@ class ManySteps:
             problem.size <= MOST_NODES
             and not (problem.constrained or problem.motion_loads)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
-            and not len(integrator.supports.partial)
+            and not (integrator.supports.moving and len(integrator.supports.partial))
             and systems.real.plan.banded
             and not len(integrator.tableau.exact_inside)
             and integrator.actions.content is None
@@ -332,7 +334,7 @@ class ManySteps:
             arrays = loop.model, loop.state, loop.systems, loop.batch.states, loop.renewal
             calls = find_addresses(self.integrator, *arrays, self._shared.number)
             asked = {} if self._known else {"prepare": self._called(self._call_prepare)}
-            if not (self._known and calls.assemble):
+            if not (self._loads_known and calls.assemble):
                 asked["renew"] = self._called(self._call_renew)
             self._shared.put("calls", calls._replace(**asked))
         return self._shared

@@ -16,7 +16,7 @@ from viscorod.solve.transient.amplitude import (
     tolerance_now,
     usual_at,
 )
-from viscorod.solve.transient.integrators import loop_branches
+from viscorod.solve.transient.integrators import loop_branches, loop_supports
 from viscorod.solve.transient.integrators.iteration_verdict import CONVERGED
 from viscorod.solve.transient.integrators.kernel_results import (
     ATTEMPTED,
@@ -196,12 +196,16 @@ def renew(run: StepLoop) -> None:
 
 @exact_part
 def give_loads(run: StepLoop, t: float, end: float) -> None:
-    """Sum the loads at the stages of a step from ``t`` to ``end`` [s], at a corner its limits from the left."""
+    """Find loads and motions at the stages of a step from ``t`` to ``end`` [s], at a corner limits from the left."""
     nodes, loads, corner = run.model.task.method.nodes, run.loads, run.control[CORNER]
     last = nodes.shape[0] - 1
-    for i in range(last):
-        sum_loads(loads.courses, t + nodes[i] * (end - t), False, i, loads.stages)
-    sum_loads(loads.courses, end, end == corner, last, loads.stages)
+    for i in range(last + 1):
+        at, before = t + nodes[i] * (end - t), False
+        if i == last:
+            at, before = end, end == corner
+        sum_loads(loads.courses, at, before, i, loads.stages)
+        if run.calls.prescribe != 0:
+            loop_supports.move(run, at, before, i)
 
 
 @exact_part
@@ -225,7 +229,7 @@ def provide(run: StepLoop, end: float) -> int:
         run.model.task.numbers[H] = h
         again = numbers[FRESH] != OLD
         numbers[FRESH] = OF_START if again or not clock[LAST_STEP] > 0.0 else OF_MIDDLE
-        if calls.assemble != 0 and calls.prepare == 0:
+        if calls.renew == 0:
             renew(run)
             numbers[RENEWED] += 1 if whole else 0
         else:
@@ -382,6 +386,8 @@ def take_end(run: StepLoop, t: float) -> None:
     copy(end.reactions[last], state.reactions[1])
     if run.calls.keep_branches != 0:
         loop_branches.keep(run)
+    if run.calls.project_twists != 0:
+        loop_supports.project(run)
     clock[LAST_STEP], clock[T] = h, t
     if clock[RATE] > run.limits[STALE]:
         numbers[HAVE] = 0

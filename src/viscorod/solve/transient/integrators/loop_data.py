@@ -9,6 +9,7 @@ from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
+from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.branch_systems import Stiffened
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
@@ -79,8 +80,15 @@ class LoopBranches(NamedTuple):
     pair: Stiffened
 
 
+class HeldInPart(NamedTuple):
+    """Supports at rest that hold nodes in part: their rows ``(p,)``, and zeros, how they turn ``(p, 6)``."""
+
+    rows: Integers
+    turning: Floats
+
+
 class LoopModel(NamedTuple):
-    """One step, whose start is the present state; ``reading`` of its end, and ``gap`` as for the predictor; branches.
+    """One step, whose start is the present state; ``reading`` of its end, and ``gap`` as for the predictor; the rest.
 
     The step is a shared bundle (see ``mechanics.compilation.shared``), so that compiled code has a reference to it.
     """
@@ -89,18 +97,23 @@ class LoopModel(NamedTuple):
     reading: Reading
     gap: Floats
     branches: LoopBranches
+    held: HeldInPart
 
 
 class LoopLoads(NamedTuple):
-    """The loads, where they are functions of time that compiled code knows: of the stages, and at the step's start."""
+    """The loads, where they are functions of time that compiled code knows: of the stages, and at the step's start.
+
+    ``motions`` are those of supports, likewise; none if they are at rest.
+    """
 
     courses: LoadCourses
+    motions: MotionCourses
     stages: LoadSums
     start: LoadSums
 
 
 class Renewal(NamedTuple):
-    """What a Jacobian is renewed with where supports stand still.
+    """What a Jacobian is renewed with. Supports that move hold their nodes completely.
 
     Attributes:
         elements, groups, fields: of the assembly, see ``gauss_batch``; out: internal forces, which nobody reads, and
@@ -208,9 +221,10 @@ class Backup(NamedTuple):
 
 
 class Addresses(NamedTuple):
-    """Where the kernels are, and Python functions; 0 where the loop knows the loads, or Python renews Jacobians.
+    """Where the kernels are, and Python functions, 0 where there is nothing for them to do.
 
-    The last but two are of Maxwell branches, and 0 where there are none.
+    Kernels of Maxwell branches and of supports that move, or hold nodes in part, are there where there are any. Python
+    renews Jacobians where loads are unknown functions of time, and prepares steps where loads or motions are.
     """
 
     step: int
@@ -236,6 +250,9 @@ class Addresses(NamedTuple):
     keep_branches: int
     read_branches: int
     read_within: int
+    prescribe: int
+    project_twists: int
+    kinetic: int
     renew: int
     prepare: int
 
