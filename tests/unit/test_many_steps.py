@@ -123,7 +123,7 @@ def driven_by(*, load=None, **motion):
 def driven_in_all_ways():
     """By every kind of function of time that the loop knows, with corners and jumps of the velocity."""
     return driven_by(
-        ux=vr.Ramp(0.105, 0.295, 0.02),
+        ux=vr.Ramp(0.1, 0.3, 0.02),
         uy=vr.SmoothRamp(0.05, 0.4, 0.03),
         uz=vr.Sine(1.5, amplitude=0.01, phase=0.4),
         ry=vr.SpinUp(0.5, 0.3),
@@ -370,3 +370,16 @@ def test_a_kernel_is_only_called_for_what_it_returns():
     assert address_of(KnownTypes(motion_extent), two, lambda: given) > 0
     with pytest.raises(TypeError, match=r"motion_extent returns .*float64.* not int64"):
         address_of(KnownTypes(motion_extent), types.int64, lambda: given)
+
+
+@pytest.mark.parametrize("at_once", [True, False])
+def test_a_record_at_a_jump_is_the_state_before_it(at_once, taken, monkeypatch):
+    """The clamp moves evenly from 0.1 s to 0.3 s; its velocity there is that of the way to these instants."""
+    if not at_once:
+        monkeypatch.setattr(ManySteps, "of", lambda *_, **__: None)
+    model = falling()
+    model.clamp("rod.start", motion={"ux": vr.Ramp(0.1, 0.3, 0.02)})
+    run = model.simulate(0.4, initial="reference", tolerance=1e-3, output_interval=0.1)
+    assert bool(sum(taken)) is at_once
+    speed = run.history("rod.start", "velocity").values[:, 0]
+    assert speed == pytest.approx([0.0, 0.0, 0.1, 0.1, 0.0], abs=1e-12)

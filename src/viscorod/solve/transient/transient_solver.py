@@ -356,7 +356,7 @@ class Transient:
         of the elastic energy as work of the actuator.
         """
         kinetic, elastic = self.integrator.kinetic, self.integrator.elastic
-        self.integrator.start(t, self.integrator.state)
+        self.integrator.start(t, self.integrator.state.copy())  # records keep that before the jump
         if self.halved is not None:
             self.halved.release(self.integrator)
         self.account.external += self.integrator.kinetic - kinetic
