@@ -227,3 +227,22 @@ def test_neighbours_of_independent_noise_are_not_called_alike():
     size = np.concatenate([np.ones(30), np.full(40, 100.0), np.ones(30)])
     below = [neighbours_alike(np.tile(size, 2) * rng.normal(size=200), 2) < 0.01 for _ in range(2000)]
     assert 0.002 < np.mean(below) < 0.015
+
+
+@pytest.mark.parametrize(("modulus", "time"), [(0.5, 3.0), (1.7, 0.3)])
+def test_a_response_is_fitted_from_far_away(modulus, time):
+    """Peaks are narrower than the lines, and none of the model's is over a measured one: the first cycles lead."""
+    ported = {"inputs": ["strip.end fz"], "outputs": ["strip.end az"], "about": "reference"}
+    hertz = np.arange(6.0, 130.0, 1.0)
+    known = run_case(strip({"loads": [], "response": {**ported, "frequencies": hertz.tolist()}}))
+    rng = np.random.default_rng(3)
+    noise = rng.normal(size=len(hertz)) + 1j * rng.normal(size=len(hertz))
+    values = known.response(0, 0) * (1.0 + 0.01 * noise)
+    times = time * TRUE["damping"]["shear_time"]
+    fit = vr.identify(
+        strip({"loads": [], "response": {**ported, "band": [5.0, 130.0]}}),
+        vr.ResponseRecord(hertz, values, name="tip"),
+        {YOUNG: modulus * 70e9, TIMES: times},
+    )
+    assert fit.numbers[YOUNG].value == pytest.approx(70e9, rel=2e-3)
+    assert fit.numbers[TIMES].value == pytest.approx(1e-4, rel=2e-2)

@@ -319,3 +319,11 @@ def test_a_folder_is_not_said_to_be_missing(tmp_path):
     for path, said in ((tmp_path, "this is a folder"), (tmp_path / "none.csv", "there is no such file")):
         with pytest.raises(vr.InputError, match=f"{said}; give the path of a file of measured values"):
             vr.Record.read(path, "x", place="beam.end", direction="x", quantity="displacement")
+
+
+def test_ratios_that_may_be_per_cent_are_told():
+    """0.8 for 0.8 % is a ratio below 1."""
+    with pytest.warns(vr.AccuracyWarning, match=r"0.6 is read as 60 % of critical.*damping_as = 'percent'"):
+        vr.ModesRecord([12.0, 75.0], [0.8, 0.4])
+    known = vr.ModesRecord([12.0, 75.0], [0.8, 0.4], damping_as="percent")
+    assert known.damping_ratios == pytest.approx([0.008, 0.004])

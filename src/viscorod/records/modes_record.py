@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, warn
 from viscorod.records.any_record import AnyRecord, deviations, finite
 from viscorod.records.arguments import described
 from viscorod.records.unknown import Unknown
@@ -24,6 +24,8 @@ RATIOS: dict[str, Callable[[Floats], Floats]] = {
     "log_decrement": lambda given: given / np.hypot(2.0 * np.pi, given),
 }
 """Damping ratios from other measures of damping; those of a resonance hold where damping is small."""
+UNUSUAL = 0.2
+"""Median of damping ratios above which per cent may have been meant; high modes of rubber may well be beyond it."""
 NORMAL = 1.959963984540054
 """Standard deviations of half of a 95 % interval."""
 
@@ -35,7 +37,8 @@ class ModesRecord(AnyRecord):
         frequencies: Hz (n,).
         damping_ratios: as many, or None.
         damping_as: what these are: "ratio" (of critical), "percent" (of critical), "quality_factor" (of a resonance,
-            1/(2 ratio)), "loss_factor" (2 ratio) or "log_decrement" (of amplitudes one cycle apart).
+            1/(2 ratio)), "loss_factor" (2 ratio) or "log_decrement" (of amplitudes one cycle apart). A median above
+            0.2 is a warning: per cent may be meant.
         modes: which modes of the model they are, numbers from 1 or names such as "bend_1 2"; by default the first ones
             in their order, rigid motions left out.
         frequency_noise, ratio_noise: standard deviations, Hz and 1, one number or (n,); None where they are not known.
@@ -83,6 +86,11 @@ class ModesRecord(AnyRecord):
                         f"{count} numbers below 1 are needed",
                         "0.01 is one per cent, or give damping_as = 'percent'",
                     )
+                )
+            if damping_as == "ratio" and (usual := float(np.median(self.damping_ratios))) > UNUSUAL:
+                warn(
+                    f"{where}: the usual damping ratio of {usual:.3g} is read as {100.0 * usual:.3g} % of critical, "
+                    "which few structures have; if it is per cent, give damping_as = 'percent'"
                 )
         if modes is not None and (isinstance(modes, str | bytes) or not isinstance(modes, Sequence)):
             raise InputError(
@@ -142,7 +150,12 @@ class ModesRecord(AnyRecord):
             )
         widths = [found.data[f"{name}_width"].values / NORMAL for name in ("frequency", "damping_ratio")]
         return cls(
-            found.frequencies, found.damping_ratios, frequency_noise=widths[0], ratio_noise=widths[1], **more
+            found.frequencies,
+            2.0 * np.asarray(found.damping_ratios),  # so that no per cent are suspected
+            damping_as="loss_factor",
+            frequency_noise=widths[0],
+            ratio_noise=widths[1],
+            **more,
         )
 
     def _over(self) -> str:

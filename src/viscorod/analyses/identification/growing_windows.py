@@ -1,9 +1,10 @@
-"""Searches that are led by the first cycles of a free decay, then by more and more of them.
+"""Searches that are led by the first cycles of a free decay or of a response, then by more and more of them.
 
 Over many cycles a sum of squares has a minimum for every period by which model and record may be out of step: from a
 modulus that is 30 % off fourteen cycles end in a wrong one. Over the first cycle and a half there is one minimum, and
 each fit starts the next, longer one (as scales in the inversion of seismic waveforms: C. Bunks et al.,
-Geophysics 60 (1995) 1457-1473).
+Geophysics 60 (1995) 1457-1473). Sharp peaks of a frequency response that do not overlap those of the model tell it
+nothing of where to go; what follows a blow, cut after the first cycles, has wide ones.
 """
 
 from __future__ import annotations
@@ -17,7 +18,9 @@ import numpy as np
 from viscorod.analyses.identification.record_frequencies import vibrating
 from viscorod.casefile.case import Case
 from viscorod.records.decay_span import start_of
+from viscorod.records.early_response import EarlyResponse
 from viscorod.records.motion_record import Record
+from viscorod.records.response_record import ResponseRecord
 from viscorod.solve.settings.motion import SimulateSettings
 
 if TYPE_CHECKING:
@@ -29,17 +32,24 @@ FIRST, GROWTH = 1.5, 2.0
 """Cycles after the first passage through rest, and how many times as many come next."""
 FEWEST = 8
 """Samples of a window at least."""
+LINE = 0.5
+"""Lines that a peak of a response is widened by at least."""
 LEFT = 0.003
 """Part of a record's variance that is left where model and record are out of step."""
+LEFT_OF_PEAKS = 0.02
+"""The same of responses, whose noise may be in proportion to their peaks."""
 
 
 def out_of_step(found: Fitted) -> bool:
-    """Return whether so much of a history is left that model and record may be out of step."""
+    """Return whether so much of a history or response is left that model and record may be out of step."""
     residual, begin = found.estimate.measured - found.estimate.predicted, 0
     for record in [record for member in found.members for record in member.records]:
         rows = slice(begin, begin + len(record.observed))
         begin = rows.stop
-        if isinstance(record, Record) and np.mean(residual[rows] ** 2) > LEFT * np.var(record.observed):
+        part = LEFT if isinstance(record, Record) else LEFT_OF_PEAKS
+        if isinstance(record, Record | ResponseRecord) and np.mean(residual[rows] ** 2) > part * np.var(
+            record.observed
+        ):
             return True
     return False
 
@@ -59,7 +69,13 @@ def growing_windows(pairs: Sequence[tuple[Case, Any]]) -> Iterator[list[tuple[Ca
 
 
 def _window(record: Any, cycles: float) -> Any:
-    """Return the first cycles of a history that vibrates; other records, and short ones, as they are."""
+    """Return the first cycles of what vibrates; other records, and short ones, as they are."""
+    if isinstance(record, ResponseRecord):
+        span = cycles / _highest(record)
+        fine = len(record.frequencies) >= FEWEST and 1.0 / span > 2.0 * np.pi * LINE * float(
+            np.median(np.diff(record.frequencies))
+        )
+        return EarlyResponse(record, span) if fine else record
     hertz = vibrating(record)[0] if isinstance(record, Record) else 0.0
     if hertz <= 0.0:
         return record
@@ -75,6 +91,12 @@ def _window(record: Any, cycles: float) -> Any:
             start = float(np.clip(passage - 0.25 / hertz, one.low, one.high))
             found.nuisances[full] = replace(one, start=start)
     return found
+
+
+def _highest(record: ResponseRecord) -> float:
+    """Return the highest frequency at which a response is as large as usual, Hz."""
+    size = np.abs(record.values)
+    return float(record.frequencies[np.flatnonzero(size >= np.median(size))[-1]]) or 1.0
 
 
 def _no_longer_than_needed(case: Case) -> Case:

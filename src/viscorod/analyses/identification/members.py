@@ -23,6 +23,7 @@ from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError, last_warnings
+from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import SLACK, StaticRecord
 from viscorod.solve.problem.division import Division, Divisions
 from viscorod.solve.refinement.mesh_watch import MeshWatch
@@ -49,6 +50,8 @@ ON_MESH: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
 """The analyses that records are compared with, on a mesh that stays as it is."""
 STEPS = 1e-5
 """What steps of motions may err by over the size of the model, unless the case says; differences need it."""
+LINES = 1000
+"""Frequencies of records up to which responses are computed at these, not on straight lines between others."""
 BEFORE = 0.1
 """Part of a record by which its release may be sought before where it starts."""
 
@@ -171,6 +174,8 @@ class Member:
                     update={"load_factors": tuple(wanted.tolist()), "load_steps": None, "load_factor": 1.0}
                 )
             return settings
+        if isinstance(settings, ResponseSettings):
+            return self._at_lines(settings)
         if not isinstance(settings, SimulateSettings):
             return settings
         changes: dict[str, Any] = {}
@@ -180,6 +185,14 @@ class Member:
         if needed > settings.duration:
             changes["duration"] = needed
         return settings.model_copy(update=changes) if changes else settings
+
+    def _at_lines(self, settings: ResponseSettings) -> ResponseSettings:
+        """Return the settings with the frequencies of the records, unless these are very many."""
+        lines = [one.frequencies for one in self.records if isinstance(one, ResponseRecord)]
+        wanted = np.unique(np.concatenate(lines)) if lines else np.zeros(0)
+        if not 0 < len(wanted) <= LINES:
+            return settings
+        return settings.model_copy(update={"frequencies": tuple(wanted.tolist()), "band": None})
 
 
 def _last_time(record: Any) -> float:
