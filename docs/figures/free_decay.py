@@ -18,6 +18,7 @@ from viscorod.typing import Floats
 IMAGES = Path(__file__).parents[1] / "images"
 FREQUENCY, RATIO = 2.0, 0.03
 TIMES = np.arange(400) * 0.02
+STUDENT = 1.966  # half a 95 % interval over its deviation, for the number of samples
 SETS = 300
 
 
@@ -74,9 +75,9 @@ def compare() -> None:
                 ("squares", complex(fit.poles[0])),
             ):
                 off[name].append(ratio_of(s) / RATIO - 1.0)
-            deviation = float(fit.ratios()[3][0])
-            covered.append(abs(off["squares"][-1]) * RATIO < 1.966 * deviation)
-            bounds.append(deviation * noise / fit.noise / RATIO)
+            width = float(fit.half_widths(0.95)[1][0])
+            covered.append(abs(off["squares"][-1]) * RATIO < width)
+            bounds.append(width / STUDENT * noise / fit.noise / RATIO)
         spread = [100.0 * float(np.sqrt(np.mean(np.square(one)))) for one in off.values()]
         row = " ".join(f"{one:8.3f}" for one in (*spread, 100.0 * float(np.mean(bounds))))
         print(f"{noise:8.3f} {row} {100.0 * float(np.mean(covered)):8.1f}")

@@ -14,6 +14,7 @@ import viscorod as vr
 from helpers.synthetic_results import rolled_up, swing
 from viscorod.attributes import INNER, UnknownAttributeError, WellNamed
 from viscorod.model.fields.definition import Definition
+from viscorod.model.materials.damping_model import Branch
 
 
 def model():
@@ -206,3 +207,10 @@ def test_mass_and_removal():
     assert not found.bodies
     with pytest.raises(vr.InputError, match=r"did you mean 'coil'\?"):
         found.remove("coils")
+
+
+def test_branches_are_printed_with_digits_that_can_be_read():
+    """Values that a fit found were printed with 17 digits; they stay what they are."""
+    branch = Branch(0.0015915494309189538, 1478289.5374552119, 496070.31458)
+    assert repr(branch) == "Branch(time=0.00159155, youngs_modulus=1.47829e+06, shear_modulus=496070)"
+    assert branch.youngs_modulus == 1478289.5374552119

@@ -34,6 +34,11 @@ class Branch(NamedTuple):
     youngs_modulus: float
     shear_modulus: float
 
+    def __repr__(self) -> str:
+        """Return the numbers with six digits, so that several branches can be read beside each other."""
+        told = ", ".join(f"{name}={value:.6g}" for name, value in self._asdict().items())
+        return f"Branch({told})"
+
 
 class Elastic(NamedTuple):
     """The elastic constants that were given with a material; NaN for those that were not.
