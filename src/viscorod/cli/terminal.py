@@ -90,7 +90,9 @@ def replacing_note(*paths: Path) -> None:
     for path in paths:
         if path.is_file() and not quiet():
             when = time.strftime("%Y-%m-%d %H:%M", time.localtime(path.stat().st_mtime))
-            complain(f"note: {path} of {when} is replaced when this is done; name another folder with -o to keep it")
+            complain(
+                f"note: {path} of {when} is replaced when this is done; name another folder with -o to keep it"
+            )
 
 
 def notes(sentences: Sequence[str]) -> None:
