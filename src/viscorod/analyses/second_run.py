@@ -121,6 +121,7 @@ def told_by_second_run(
         start.copy(),
         settings.duration,
         output_interval=float(times[0]),
+        progress=discrete.options.progress,
         after_step=(lambda: "") if stop is None else stop,
         patient=stop is None or getattr(stop, "patient", False),
     )
