@@ -62,6 +62,7 @@ types: $(VENV)/.stamp-test
 	$(BIN)/mypy
 	$(BIN)/python docs/typed_lines.py docs/_build/typed
 	$(BIN)/mypy docs/_build/typed/docs_lines
+	MYPYPATH=docs $(BIN)/mypy --explicit-package-bases docs/figures
 	$(BIN)/lint-imports
 
 pages: $(VENV)/.stamp-test

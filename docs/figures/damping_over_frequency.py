@@ -34,7 +34,7 @@ class Blade(NamedTuple):
     band: tuple[float, float]
 
 
-def clamped(section: vr.AnySection, length: float, material: vr.Material | None = None) -> vr.Model:
+def clamped(section: vr.Rectangle | vr.Composite, length: float, material: vr.Material | None = None) -> vr.Model:
     """Return a clamped strip along x that bends about its thin side."""
     model = vr.Model()
     model.add(
@@ -114,7 +114,7 @@ def sandwich() -> Blade:
     return Blade("sandwich, 500 x 40 x 8 mm", {name: models[name] for name in COLOURS}, band)
 
 
-def _matched(first: float, ratio: float, band: tuple[float, float]) -> dict[str, vr.Damping]:
+def _matched(first: float, ratio: float, band: tuple[float, float]) -> dict[str, vr.LossFactor]:
     """Return a Kelvin-Voigt and a flat loss factor that damp the first mode alike."""
     return {
         "Kelvin-Voigt": vr.LossFactor(extension=2.0 * ratio, frequency=first),
@@ -124,7 +124,7 @@ def _matched(first: float, ratio: float, band: tuple[float, float]) -> dict[str,
 
 def _alike(
     measured: vr.Model,
-    section: vr.AnySection,
+    section: vr.Rectangle | vr.Composite,
     length: float,
     elastic: tuple[float, float, float],
     band: tuple[float, float],

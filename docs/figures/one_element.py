@@ -182,9 +182,9 @@ def costs() -> None:
             results[k] = static.data.attrs, run.data.attrs
     statics, motions = np.median(times, axis=2)
     for k, (name, _, _) in enumerate(kinds):
-        static, run = results[k]
-        counts = " | ".join(str(run[key]) for key in ("steps", "evaluations", "factorisations"))
-        print(f"| {name} | {static['iterations']} | {1e3 * statics[k]:.1f} | {counts} | {motions[k]:.2f} |")
+        still, moved = results[k]
+        counts = " | ".join(str(moved[key]) for key in ("steps", "evaluations", "factorisations"))
+        print(f"| {name} | {still['iterations']} | {1e3 * statics[k]:.1f} | {counts} | {motions[k]:.2f} |")
 
 
 def divided(case: str, order: int, elements: int) -> vr.Model:
