@@ -34,7 +34,9 @@ class Blade(NamedTuple):
     band: tuple[float, float]
 
 
-def clamped(section: vr.Rectangle | vr.Composite, length: float, material: vr.Material | None = None) -> vr.Model:
+def clamped(
+    section: vr.Rectangle | vr.Composite, length: float, material: vr.Material | None = None
+) -> vr.Model:
     """Return a clamped strip along x that bends about its thin side."""
     model = vr.Model()
     model.add(
