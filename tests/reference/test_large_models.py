@@ -192,7 +192,7 @@ def long_wire(elements: int) -> vr.Model:
     return model
 
 
-@pytest.mark.parametrize(("make", "small"), [(long_wire, 400), (cantilevers, 30)])
+@pytest.mark.parametrize(("make", "small"), [(long_wire, 1600), (cantilevers, 30)])
 @pytest.mark.parametrize("analysis", ["check", "equilibrium"])
 def test_memory_of_checks_and_equilibria_is_in_proportion(
     make: Callable[[int], vr.Model], small: int, analysis: str

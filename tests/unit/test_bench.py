@@ -29,6 +29,7 @@ SMALL = {
     "newton_iteration": (["--elements", "40"], {}),
     "periodic_motions": ([], {"BAND": (85.0, 86.0), "COMPARED": 1}),
     "published_times": (["--rounds", "1", "--only", "static"], {}),
+    "sobol_intervals": (["--ensembles", "2", "--points", "64", "--dimensions", "1"], {}),
     "stability": (["--rounds", "1"], {"ELEMENTS": (1,)}),
     "statics": (["--rounds", "1"], {}),
     "sweep": (["--members", "2", "--workers", "1", "--tolerance", "1e-2"], {}),

@@ -180,6 +180,7 @@ def sweep(
             in_parallel(work, jobs, due, found, min(count, len(due)), stop, told, died)
         stopped = stop.is_set()
     result = Sweep(SweepMembers(rows, found), case.title, notes)
+    found.stop = None  # it is over, and a sweep can be copied
     lost = found.first_of(NOT_KEPT)
     if lost is not None:
         broken = f"The sweep was stopped at member {lost}: {found[lost][1]}; put that right and call again"

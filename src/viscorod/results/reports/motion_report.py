@@ -97,7 +97,7 @@ def _shown_state(run: Run) -> tuple[str, int]:
 def _decay(run: Run) -> str:
     site, axis = run.main_motion
     spread = float(np.ptp(run.history(site.label, "displacement").sel(axis=axis).values))
-    size = float(np.ptp(run.field("position"), axis=(0, 1)).max())
+    size = float(np.abs(run.field("position", states=0)).max())
     if run.time.size > 1 and spread <= _ROUND_OFF * size:
         return "Nothing moves: what displacements change by is rounding"
     largest = f"{site.label} along {axis} has the largest range of displacement, {quantity(spread, 'm')}"

@@ -6,6 +6,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.linalg import null_space
 
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
@@ -20,8 +21,8 @@ LARGEST = 2.0 * np.pi * 200.0
 """Largest prescribed rotation [rad] for which a mesh is chosen; it needs 600 elements of the default order."""
 MOST_PARTS = 100
 """Parts up to which it is found what they may do as rigid ones; beyond, all that is prescribed counts."""
-HELD = 1e5
-"""Weight of what is held beside what is prescribed."""
+ROUND_OFF = 1e-10
+"""Size of a motion of rigid parts, over the largest, that is none."""
 
 
 @dataclass(frozen=True)
@@ -58,9 +59,10 @@ def prescribed_turn(model: ModelDescription) -> float:
         return every if every < LARGEST else 0.0
     rows = np.concatenate([one.rows for one in held]).reshape(sum(len(one.rows) for one in held), -1)
     moving = np.array([f is not None for one in held for f in one.motions])
-    rows[~moving] *= HELD
     values = np.array([_values(held, t, before) for t in times for before in (True, False)]).T
-    left = values - rows @ np.linalg.lstsq(rows, values, rcond=1e-10)[0]
+    left = np.zeros_like(values)
+    driven = rows[moving] @ null_space(rows[~moving], rcond=ROUND_OFF) if not moving.all() else rows
+    left[moving] = values[moving] - driven @ np.linalg.lstsq(driven, values[moving], rcond=ROUND_OFF)[0]
     turned, first = np.zeros(values.shape[1]), 0
     for one in held:
         own = left[first : first + len(one.rows)][one.turns & [f is not None for f in one.motions]]

@@ -20,6 +20,7 @@ BEYOND = 2.0
 """Multiple of the largest linear critical factor up to which equilibria are followed, before it is computed anew."""
 LEGS = 6
 """How often the linear problem is solved, about the state reached, for how far to go."""
+FOLLOWED = (Outcome.COMPLETED, Outcome.POINTS)
 POINTS = 1000
 """Points of a path at most."""
 
@@ -83,10 +84,14 @@ class CriticalSearch:
         points: list[CriticalPoint] = []
         wanted = count
         state, first = self._state.copy(), self.about
+        course: Path | None = None
         for _ in range(LEGS):
             last = float(expected[-1]) if len(expected) else first + 1.0
-            course, passed = self._leg(state, first, first + BEYOND * (last - first), wanted, told)
+            leg, passed = self._leg(state, first, first + BEYOND * (last - first), wanted, told)
             points += passed
+            if course is not None and leg.outcome not in (*FOLLOWED, Outcome.INTERRUPTED):
+                break  # as far as the first linear problem says, all is known
+            course = leg
             wanted = count - sum(point.increments.shape[1] for point in points)
             if course.outcome is not Outcome.COMPLETED or wanted <= 0 or self.by_motion:
                 break
@@ -97,6 +102,7 @@ class CriticalSearch:
                 break
             if not len(expected):
                 break
+        assert course is not None
         return points, course
 
     def _leg(

@@ -57,12 +57,7 @@ def participation(
     length = problem.length
     forces = _unbalanced(problem, state, duration, held).reshape(-1, 6 * problem.size).T
     momenta = np.einsum("nij,nj->ni", problem.mass, state.twist).ravel()
-    pushed = modes.rigid.T @ forces
-    pushed = pushed[:, np.square(pushed).sum(axis=0).argmax()]
-    faster, begun = (
-        _size(modes.rigid @ pushed, length),
-        _size(modes.rigid @ (modes.rigid.T @ momenta), length),
-    )
+    faster, begun = _begun(problem, modes, forces, momenta)
     moved = min(0.5 * faster * duration**2 + begun * duration, FARTHEST)
     response = np.abs(modes.shapes.T @ forces).max(axis=1) / modes.omega**2
     response += np.abs(modes.shapes.T @ momenta) / modes.omega
@@ -75,7 +70,8 @@ def periods_set_off(
 ) -> tuple[float, float]:
     """Return frequency [Hz] and number of periods of the largest vibration that the start sets off, until it fades.
 
-    It is the largest by what acts on the start and is not in balance; 0 periods if all is.
+    It is the largest by what acts on the start and is not in balance; 0 periods if all is, or if the rigid motions are
+    so large beside it that the steps need not follow it.
 
     Args:
         modes: about the start; state: the start.
@@ -84,14 +80,27 @@ def periods_set_off(
     if not len(modes.omega):
         return 0.0, 0.0
     forces = _unbalanced(problem, state, 0.0, held)[0].ravel()
+    momenta = np.einsum("nij,nj->ni", problem.mass, state.twist).ravel()
+    faster, begun = _begun(problem, modes, forces[:, None], momenta)
+    moved = min(0.5 * faster * duration**2 + begun * duration, FARTHEST)
     sizes = np.array([_size(shape, problem.length) for shape in modes.shapes.T])
     amplitudes = sizes * np.abs(modes.shapes.T @ forces) / modes.omega**2
     largest = int(np.argmax(amplitudes))
-    if not amplitudes[largest] > TINY:
+    if not amplitudes[largest] > max(TINY, PART * moved):
         return 0.0, 0.0
     frequency, decay = float(modes.omega[largest]) / (2.0 * math.pi), float(modes.decay[largest])
     lasts = min(duration, math.log(1.0 / FADED) / decay) if decay > 0.0 else duration
     return frequency, frequency * lasts
+
+
+def _begun(problem: Problem, modes: StartModes, forces: Floats, momenta: Floats) -> tuple[float, float]:
+    """Return acceleration and velocity [1/s] of rigid motions over the length, or in rad, by forces ``(6 n, j)``."""
+    if not modes.rigid.shape[1]:
+        return 0.0, 0.0
+    pushed = modes.rigid.T @ forces
+    pushed = pushed[:, np.square(pushed).sum(axis=0).argmax()]
+    given = modes.rigid @ (modes.rigid.T @ momenta)
+    return _size(modes.rigid @ pushed, problem.length), _size(given, problem.length)
 
 
 def _unbalanced(problem: Problem, state: State, duration: float, held: float) -> Floats:
