@@ -105,7 +105,9 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         compile_loop()
         await_compilation()
     if progress is not None:
-        progress(sum(bool(one.signatures) or on_disk(one) for one in KERNELS))  # the second process compiles, too
+        progress(
+            sum(bool(one.signatures) or on_disk(one) for one in KERNELS)
+        )  # the second process compiles, too
     folder = cache_folder()
     folders = () if folder is None else (folder,)
     return WarmUp(time.perf_counter() - begin, _misses() - before, folders)
