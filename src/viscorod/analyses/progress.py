@@ -25,9 +25,21 @@ def reporting(course: Course, *, shown: bool = True) -> Iterator[Progress]:
         yield _nothing
     elif sys.stderr.isatty():
         with _bar(course) as progress:
-            yield progress
+            yield _Shown(progress)
     else:
-        yield _lines(course)
+        yield _Shown(_lines(course))
+
+
+class _Shown:
+    """Progress that is only looked at, and so is told of steps, too, that are no part of the result."""
+
+    again = True
+
+    def __init__(self, show: Progress) -> None:
+        self._show = show
+
+    def __call__(self, reached: float, step: float) -> None:
+        self._show(reached, step)
 
 
 @contextmanager

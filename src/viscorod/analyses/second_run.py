@@ -116,12 +116,12 @@ def told_by_second_run(
     _sharpen(integrator, control)
     times = _times(settings)
     transient = Transient(discrete.problem, integrator, control)
-    stop = discrete.options.stop
+    stop, progress = discrete.options.stop, discrete.options.progress
     result = transient.run(
         start.copy(),
         settings.duration,
         output_interval=float(times[0]),
-        progress=discrete.options.progress,
+        progress=progress if getattr(progress, "again", False) else None,  # others count steps of the result
         after_step=(lambda: "") if stop is None else stop,
         patient=stop is None or getattr(stop, "patient", False),
     )
