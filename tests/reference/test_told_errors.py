@@ -6,6 +6,8 @@ forces are followed, compared at 400 equal times from the start on.
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -206,3 +208,33 @@ def test_grown_errors_of_equal_steps_are_told(integrator):
     moved, turned, _, _ = compared(run, fine)
     assert 1.0 / 3.0 < run.step_errors["position"] / moved < 3.0
     assert 1.0 / 3.0 < run.step_errors["rotation"] / turned < 3.0
+
+
+def test_a_second_run_that_is_stopped_tells_that_errors_are_not_known():
+    """The motion is over, and whole; the run that would tell how its errors grow is stopped after its first step."""
+    model, given = middle_axis()
+    over = []
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # what is told is in the result
+        run = model.simulate(
+            **given,
+            progress=lambda t, _: over.append(t) if t >= given["duration"] else None,
+            stop=lambda: "enough" if over else "",
+        )
+    assert run.outcome == "completed"
+    assert [one for one in run.warnings if one.startswith("the second run")]
+
+
+@pytest.mark.filterwarnings("ignore:the numerical remainder")
+@pytest.mark.parametrize("interval", [None, 0.05, 1.0])
+def test_a_motion_that_an_event_ends_is_computed_again_up_to_there(interval):
+    """What is told covers the true error at the event, where the state lies within a step; nothing beyond is computed."""
+    model, _ = middle_axis()
+    run = model.simulate(
+        1e6, initial="reference", events=[vr.Crossing("plate.end", "x", 0.2)], output_interval=interval
+    )
+    until = float(run.time[-1])
+    fine = model.simulate(until, initial="reference", tolerance=1e-8)
+    away = run.history("plate.end", "position").values[-1] - fine.history("plate.end", "position").values[-1]
+    assert until < 0.2
+    assert np.linalg.norm(away) / 3.0 < run.step_errors["position"] < 1e-3 * 0.3

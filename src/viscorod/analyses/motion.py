@@ -22,7 +22,7 @@ from viscorod.analyses.motion_stepping import (
     set_off,
     stepping,
 )
-from viscorod.analyses.second_run import is_needed, told_by_second_run
+from viscorod.analyses.second_run import UNTOLD, is_needed, told_by_second_run
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import state_arrays
@@ -153,7 +153,7 @@ def _motion(
     attrs["loop_time_s"] = loop_time
     if halved is not None and result.outcome is Outcome.COMPLETED:
         errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
-        told, last = errors, (integrator.t, integrator.snapshot())
+        told, last, unknown = errors, (integrator.t, integrator.snapshot()), ""
         if errors is not None and is_needed(discrete, settings, halved, errors):
             first = _recorded(discrete, stream, labels)
             told = told_by_second_run(
@@ -166,7 +166,10 @@ def _motion(
                 lambda: vibrating(linear(), relaxing()),
                 modes,
             )
+            if told is None:
+                told, unknown = errors, UNTOLD
         attrs |= _estimated_errors(discrete, settings, halved, last, (errors, told))
+        tell(attrs, unknown)
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))

@@ -35,7 +35,7 @@ from viscorod.solve.transient.step_errors import FORCE_SAFETY, SAFETY, StepError
 from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
 
-__all__ = ["is_needed", "told_by_second_run"]
+__all__ = ["UNTOLD", "is_needed", "told_by_second_run"]
 
 TURNED = 0.5
 """Rotation [rad] from which on parts that nothing holds have turned far."""
@@ -49,6 +49,11 @@ PART = 0.3
 """What steps of the second run may err by, over that of the first one."""
 SHORTER = 0.5
 """Equal steps of the second run, over those of the first one."""
+UNTOLD = (
+    "the second run, which tells how much a motion makes errors of steps grow, did not come to its end: positions and "
+    "rotations may be off by far more than is told; use a smaller tolerance and compare"
+)
+"""What is told with a motion where errors may have grown and it is not known by how much."""
 INSTANTS = 200
 """Times at which both runs are compared, about."""
 
@@ -99,7 +104,7 @@ def told_by_second_run(
     make: Callable[..., Integrator],
     linear: Callable[[], Any],
     modes: Callable[[], Any],
-) -> StepErrors:
+) -> StepErrors | None:
     """Return the errors of the steps of a motion, from its difference from the same with smaller steps.
 
     Args:
@@ -107,26 +112,27 @@ def told_by_second_run(
         make: makes an integrator with a system of its own; linear, modes: see ``motion_stepping.stepping``.
 
     Returns:
-        ``errors`` if the second run ends before its time.
+        None if the second run ends before its time.
     """
     logging.getLogger("viscorod").info(
         "viscorod: the motion is computed again with smaller steps, for the errors of the first ones"
     )
     integrator, control, _ = stepping(discrete, settings, linear, make, start, modes)
     _sharpen(integrator, control)
-    times = _times(settings)
+    end = float(run.time[-1])  # an event may have ended it
+    times = _times(settings, end)
     transient = Transient(discrete.problem, integrator, control)
     stop, progress = discrete.options.stop, discrete.options.progress
     result = transient.run(
         start.copy(),
-        settings.duration,
+        end,
         output_interval=float(times[0]),
         progress=progress if getattr(progress, "again", False) else None,  # others count steps of the result
         after_step=(lambda: "") if stop is None else stop,
         patient=stop is None or getattr(stop, "patient", False),
     )
     if result.outcome is not Outcome.COMPLETED:
-        return errors
+        return None
     gap, forces = _apart(discrete, run, result.history, times)
     gap = np.minimum(SAFETY * gap, [np.inf, np.pi])
     return replace(errors, gap=gap, forces=np.maximum(errors.forces, FORCE_SAFETY * forces))
@@ -144,12 +150,14 @@ def _sharpen(integrator: Integrator, control: StepControl) -> None:
         integrator.step_tolerance *= PART**1.5
 
 
-def _times(settings: SimulateSettings) -> Floats:
+def _times(settings: SimulateSettings, end: float) -> Floats:
     """Return equal times at which both runs are compared ``(k,)`` [s]: stored ones where not every step is stored."""
     interval = settings.output_interval
     if interval is None:
-        return np.arange(1.0, INSTANTS + 1.0) * (settings.duration / INSTANTS)
-    count = int(settings.duration / interval * (1.0 + 1e-12) + 1e-9)
+        return np.arange(1.0, INSTANTS + 1.0) * (end / INSTANTS)
+    count = int(end / interval * (1.0 + 1e-12) + 1e-9)
+    if not count:
+        return np.array([end])
     every = max(1, -(-count // INSTANTS))
     return np.arange(1.0, count // every + 1.0) * (every * interval)
 
