@@ -228,7 +228,7 @@ def test_a_second_run_that_is_stopped_tells_that_errors_are_not_known():
 @pytest.mark.filterwarnings("ignore:the numerical remainder")
 @pytest.mark.parametrize("interval", [None, 0.05, 1.0])
 def test_a_motion_that_an_event_ends_is_computed_again_up_to_there(interval):
-    """What is told covers the true error at the event, where the state lies within a step; nothing beyond is computed."""
+    """What is told covers the true error at the event, within a step; nothing beyond is computed."""
     model, _ = middle_axis()
     run = model.simulate(
         1e6, initial="reference", events=[vr.Crossing("plate.end", "x", 0.2)], output_interval=interval
