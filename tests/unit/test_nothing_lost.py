@@ -699,9 +699,14 @@ def test_ctrl_c_in_python_keeps_the_run(tmp_path):
     runs.whole()
 
     def nagged():
-        begun = time.perf_counter()
-        runs.gone_on(tmp_path / "undisturbed")
-        taken = time.perf_counter() - begun
+        durations = []
+        for number in range(
+            3
+        ):  # the shortest: one that the machine held up would let all others end undisturbed
+            begun = time.perf_counter()
+            runs.gone_on(tmp_path / f"undisturbed {number}")
+            durations.append(time.perf_counter() - begun)
+        taken = min(durations)
         signal.signal(signal.SIGALRM, signal.default_int_handler)
         rng, stops = random.Random(4), 0
         for _ in range(60):
