@@ -699,10 +699,8 @@ def test_ctrl_c_in_python_keeps_the_run(tmp_path):
     runs.whole()
 
     def nagged():
-        durations = []
-        for number in range(
-            3
-        ):  # the shortest: one that the machine held up would let all others end undisturbed
+        durations = []  # the shortest counts: one that the machine held up would let all others end undisturbed
+        for number in range(3):
             begun = time.perf_counter()
             runs.gone_on(tmp_path / f"undisturbed {number}")
             durations.append(time.perf_counter() - begun)
