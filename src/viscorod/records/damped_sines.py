@@ -131,12 +131,18 @@ def fit_sines(times: Floats, values: Floats, poles: np.ndarray, rest: str = "con
         return None
     scale = float(np.std(values)) or 1.0
 
+    last: dict[bytes, tuple[Floats, Floats, Floats]] = {}
+
     def solved(theta: Floats) -> tuple[Floats, Floats, Floats]:
-        full = waves.basis(theta)
-        if not np.isfinite(full).all():
-            raise FloatingPointError("the sines grow beyond all numbers")
-        coefficients = np.asarray(np.linalg.lstsq(full, values, rcond=None)[0], dtype=float)
-        return full, coefficients, full @ coefficients - values
+        where = theta.tobytes()
+        if where not in last:  # slopes are asked for where the misfit was, which costs as much
+            full = waves.basis(theta)
+            if not np.isfinite(full).all():
+                raise FloatingPointError("the sines grow beyond all numbers")
+            coefficients = np.asarray(np.linalg.lstsq(full, values, rcond=None)[0], dtype=float)
+            last.clear()
+            last[where] = full, coefficients, full @ coefficients - values
+        return last[where]
 
     def jacobian(theta: Floats) -> Floats:
         full, coefficients, _ = solved(theta)
