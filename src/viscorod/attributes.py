@@ -77,6 +77,7 @@ INNER = frozenset(
         "later",
         "recorded_rods",
         "displacement_range",
+        "rests",
         "ends_of_steps",
         "with_errors",
         "count_completed",

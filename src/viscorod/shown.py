@@ -5,7 +5,9 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
-__all__ = ["Shown", "card", "counted", "short_number", "span"]
+from viscorod.quantity_text import number, scaled
+
+__all__ = ["Shown", "card", "counted", "span"]
 
 
 class Shown:
@@ -52,12 +54,8 @@ def counted(number: int, noun: str, several: str = "") -> str:
     return f"{number} {noun if number == 1 else several or noun + 's'}"
 
 
-def short_number(value: float) -> str:
-    """Return a number with four digits."""
-    return f"{value:.4g}"
-
-
 def span(low: float, high: float, unit: str) -> str:
     """Return a range with its unit: "0 to 2 s"."""
-    unit = f" {unit}" if unit else ""
-    return f"{low:.4g} to {high:.4g}{unit}" if high != low else f"{low:.4g}{unit}"
+    factor, unit = scaled(unit, (low, high))
+    ends = [number(factor * value, 4) for value in ((low, high) if high != low else (low,))]
+    return f"{' to '.join(ends)} {unit}".rstrip()

@@ -9,13 +9,10 @@ from __future__ import annotations
 import re
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import cache
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import Any
 
-from viscorod.wording import RefusedError, nearest, show
-
-if TYPE_CHECKING:
-    from pint import UnitRegistry
+from viscorod.unit_text import Dimension, factor_of
+from viscorod.wording import RefusedError
 
 __all__ = [
     "Conversion",
@@ -28,41 +25,14 @@ __all__ = [
     "waiting",
 ]
 
-Dimension: TypeAlias = tuple[tuple[str, Fraction], ...]
-
 # at most three digits of exponent: longer ones would become numbers that fill the memory
 _QUANTITY = re.compile(r"\s*([+-]?(?:\d{1,40}\.?\d{0,40}|\.\d{1,40})(?:[eE][+-]?\d{1,3})?)\s*(\S.*?)?\s*")
-_LONGEST_UNIT = 60
-# names, exponents of one digit, and marks: what Pint is given cannot ask it to compute powers of powers
-_TOKEN = re.compile(
-    r"\s*(?:([^\W\d]+[²³]?|°|%)(?:\s*(?:\^|\*\*)\s*(-?\d)(?!\d|\s*[\^*.])|(-?\d)(?!\d))?|([*/()·])|(1)(?=\s*/))"
-)
-
-_TOGETHER = re.compile(r"([kMGmunµμ]?N|kg)(?=(?:mm|cm|m|s|ms)(?![^\W\d²³]))")
-"""Units of force and mass written in one piece with what they are multiplied by, as engineers do; Pint reads Nm as the
-count of a yarn."""
-_JOINED = re.compile(r"(?<=[^\W\d])[-.](?=[^\W\d])")
-"""A hyphen or a point between two names, for a product: N-m, kN.m."""
-
 _ONLY_HERE = {
     **dict.fromkeys((("m/s^2", word) for word in ("g", "g0", "g_0", "gn", "g_n")), "standard_gravity"),
     ("m", "mil"): "thou",
     ("m", "mils"): "thou",
 }
 """Words that mean something else where a quantity of this kind is needed: grams and angles elsewhere."""
-_MORE_UNITS = (
-    "rev = turn",
-    "mil = turn / 6400",
-    "U = turn",
-    "cpm = 1 / minute",
-    "Msi = 1e6 * psi",
-    "psf = pound_force / foot ** 2",
-    "pcf = pound / foot ** 3",
-    "plf = pound_force / foot",
-    "pli = pound_force / inch",
-    "kp = kilogram_force",
-)
-"""What engineers write and Pint has no word, or another meaning, for."""
 _WEIGHED = {"lb": "lbf", "lbs": "lbf", "kg": "kgf", "oz": "ozf"}
 """Masses that are written for the forces that weigh them."""
 
@@ -87,33 +57,6 @@ NAMES = {
     "1": "plain number",
 }
 """What quantities of these units are called; the first that fits counts. Others are named by their units."""
-
-COMMON = (
-    *(
-        "m",
-        "mm",
-        "cm",
-        "um",
-        "km",
-        "in",
-        "ft",
-        "s",
-        "ms",
-        "us",
-        "min",
-        "h",
-        "kg",
-        "g",
-        "t",
-        "lb",
-        "N",
-        "mN",
-        "kN",
-    ),
-    *("MN", "lbf", "Pa", "kPa", "MPa", "GPa", "bar", "psi", "ksi", "rad", "deg", "turn", "Hz", "kHz", "rpm"),
-    *("J", "kJ", "mJ", "W"),
-)
-"""What a misspelt unit is compared with."""
 
 
 @dataclass(frozen=True)
@@ -152,8 +95,8 @@ def si_value(text: str, unit: str, key: str) -> float:
         )
     if unit == "1":
         raise RefusedError(f"{key} has no unit", "give a plain number, without quotes")
-    factor, dimension = _factor(_ONLY_HERE.get((unit, given), given))
-    wanted = _factor(unit)[1]
+    factor, dimension = factor_of(_ONLY_HERE.get((unit, given), given))
+    wanted = factor_of(unit)[1]
     turns = _turns(dimension, wanted)
     if turns is None:
         instead = _weighed(number, given, wanted) or _advice(unit)
@@ -174,7 +117,7 @@ def _weighed(number: str, given: str, wanted: Dimension) -> str:
     """Return what to write if a unit of mass was given for one of force, else nothing."""
     for mass, force in _WEIGHED.items():
         other = re.sub(rf"(?<![^\W\d_]){mass}(?![^\W\d_])", force, given)
-        if other != given and _turns(_factor(other)[1], wanted) is not None:
+        if other != given and _turns(factor_of(other)[1], wanted) is not None:
             return f"{mass} is a mass; for its weight, a force, give {number} {other}"
     return ""
 
@@ -201,7 +144,7 @@ def si_quantity(value: Any, unit: str, key: str) -> Any:
     plain = magnitude.tolist() if hasattr(magnitude, "tolist") else magnitude
     if given in ("", "1", "dimensionless"):
         if unit != "1":
-            raise RefusedError(f"this has no unit, {key} needs {_noun(_factor(unit)[1])}", _advice(unit))
+            raise RefusedError(f"this has no unit, {key} needs {_noun(factor_of(unit)[1])}", _advice(unit))
         return plain
     if unit == "1":
         raise RefusedError(f"{key} has no unit", "give a plain number")
@@ -220,7 +163,7 @@ def si_of(unit: str) -> float:
     Raises:
         RefusedError: it is no unit.
     """
-    return float(_factor(unit)[0])
+    return float(factor_of(unit)[0])
 
 
 def si_and_kind(text: str) -> tuple[float, Dimension] | None:
@@ -232,7 +175,7 @@ def si_and_kind(text: str) -> tuple[float, Dimension] | None:
     if match is None or match[2] is None:
         return None
     try:
-        factor, kind = _factor(match[2])
+        factor, kind = factor_of(match[2])
         found = float(Fraction(match[1]) * factor)
     except (RefusedError, OverflowError):
         return None
@@ -279,7 +222,7 @@ def waiting(value: Any) -> Any:
     if match is None or match[2] is None:
         raise RefusedError("no number with a unit", "give a plain number, in SI, or one with its unit")
     try:
-        return Measured(float(Fraction(match[1]) * _factor(match[2])[0]), value)
+        return Measured(float(Fraction(match[1]) * factor_of(match[2])[0]), value)
     except OverflowError:
         raise RefusedError("larger than any quantity", "give a smaller number") from None
 
@@ -305,86 +248,10 @@ def _core(dimension: Dimension) -> Dimension:
     return tuple((name, power) for name, power in dimension if name != "radian")
 
 
-@cache
-def _factor(unit: str) -> tuple[Fraction, Dimension]:
-    """Return a unit in SI: its factor, and the powers of m, kg, s, rad and so on."""
-    import pint
-
-    text, registry = _plain(unit), _registry()
-    try:
-        parsed = registry.parse_units(text)
-        zero = registry.Quantity(Fraction(0), parsed).to_base_units()
-        one = registry.Quantity(Fraction(1), parsed).to_base_units()
-    except pint.UndefinedUnitError as error:
-        names: Any = error.unit_names  # one or several
-        name = names if isinstance(names, str) else str(next(iter(names)))
-        close = next((word for word in COMMON if word.lower() == name.lower()), None) or nearest(name, COMMON)
-        hint = f"did you mean {close}? " if close else ""
-        raise RefusedError(
-            f"there is no unit {show(name)}", f"{hint}Units are written as in 10 mm, 2 N/m^2"
-        ) from None
-    except pint.OffsetUnitCalculusError:
-        raise RefusedError(f"{unit} is counted from an offset", "give the value in SI") from None
-    except Exception:  # Pint reads what the user wrote, and fails in many ways
-        raise RefusedError(
-            f"{show(unit)} cannot be read as a unit", "write units as in 10 mm, 2 N/m^2"
-        ) from None
-    if zero.magnitude != 0:
-        raise RefusedError(f"{unit} is counted from an offset", "give the value in SI")
-    items: Any = one.unit_items()
-    powers = tuple(sorted((str(name), Fraction(power)) for name, power in items if power))
-    magnitude: Any = one.magnitude  # a Fraction, as the registry was asked for
-    return magnitude, powers
-
-
-def _plain(unit: str) -> str:
-    """Write a unit in the words of Pint, if it is one of names, powers, products and quotients."""
-    words: list[str] = []
-    at = 0
-    unit = _JOINED.sub(" ", re.sub(r"°\s*([CF])\b", r"deg\1", unit)).removesuffix(".")
-    if unit.startswith("/"):
-        unit = f"1{unit}"
-    if len(unit) > _LONGEST_UNIT:
-        raise RefusedError("longer than any unit", "write units as in 10 mm, 2 N/m^2")
-    divided = False
-    while at < len(unit):
-        match = _TOKEN.match(unit, at)
-        if match is None:
-            comma = "write decimals with a point (1.5 MPa); " if re.match(r",\s*\d", unit) else ""
-            raise RefusedError(
-                f"{show(unit)} cannot be read as a unit",
-                f"{comma}write units as in 10 mm, 2 N/m^2, 5 N/(m s)",
-            )
-        name, power, digit, mark, one = match.groups()
-        previous = words[-1] if words else "("
-        if (name or mark == "(" or one) and previous not in "*/(":
-            if divided and name:
-                raise RefusedError(
-                    f"{show(unit)} can be read in two ways", "put brackets around what is divided by: N/(m s)"
-                )
-            words.append("*")
-        if mark == "/":
-            divided = True
-        elif mark in ("(", ")", "*", "·"):
-            divided = False
-        if name:
-            name = {"°": "degree", "%": "percent"}.get(name, name)
-            whole = f"{name}**{power or digit}" if power or digit else name
-            if together := _TOGETHER.match(whole):
-                whole = f"({together[1]}*{whole[together.end(1) :]})"
-            words.append(whole)
-        else:
-            words.append("1" if one else "*" if mark == "·" else mark)
-        at = match.end()
-        if not unit[at:].strip():
-            break
-    return "".join(words)
-
-
 def _noun(dimension: Dimension) -> str:
     """Return what a quantity of the dimension is called."""
     for unit, name in NAMES.items():
-        if unit != "1" and _factor(unit)[1] == dimension:
+        if unit != "1" and factor_of(unit)[1] == dimension:
             return f"{'an' if name[0] in 'aeiou' else 'a'} {name}"
     if not dimension:
         return "a plain number"
@@ -397,14 +264,3 @@ def _noun(dimension: Dimension) -> str:
 
 def _advice(unit: str) -> str:
     return f"give a number in {unit}, or one with a unit of this kind"
-
-
-@cache
-def _registry() -> UnitRegistry[Any]:
-    """Return the units, with exact factors; made when the first quantity is read."""
-    import pint
-
-    registry: UnitRegistry[Any] = pint.UnitRegistry(non_int_type=Fraction, on_redefinition="ignore")
-    for definition in _MORE_UNITS:
-        registry.define(definition)
-    return registry

@@ -119,7 +119,7 @@ def test_run_writes_files_and_prints_the_report(invoke, solving, tmp_path):
     ]
     assert "Decay of beam.end along y" in result.stdout
     assert "warning: the rod is thick" in result.stderr
-    assert "t = 10 of 10 s, step 0.02 s, 0 s left" in result.stderr
+    assert result.stderr.count(" of 10 s, step ") == 1  # a short run has one line in a log
     assert isinstance(vr.load(tmp_path / "results" / "run.nc"), Run)
 
 

@@ -219,6 +219,20 @@ def test_beamdyn_as_its_source_computes_it():
     assert both.T @ force == pytest.approx(inputs.law(stiffness) @ body, rel=1e-10)
 
 
+def test_beamdyn_text_takes_the_place_of_the_lines_of_a_blade_file(tmp_path):
+    """BeamDyn reads its file by the order of lines, headings too (BD_ReadBladeFile)."""
+    rod = vr.Rod.straight((0, 0, 0), (0, 0, 9), section=vr.Rectangle(0.3, 0.02), material=rubber())
+    path = tmp_path / "blade.dat"
+    vd.write_beamdyn_blade(rod, path)
+    lines = path.read_text().splitlines()
+    first = next(k for k, line in enumerate(lines) if line.split()[1:2] == ["damp_type"])
+    pasted = vd.BeamDyn((1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3)).text().splitlines()
+    headings = [k for k, line in enumerate(pasted) if line.startswith("---")]
+    assert headings == [k for k, line in enumerate(lines[first:][: len(pasted)]) if line.startswith("---")]
+    path.write_text("\n".join([*lines[:first], *pasted, *lines[first + len(pasted) :]]) + "\n")
+    assert vd.read_beamdyn_blade(path).mu == pytest.approx([1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3], rel=1e-15)
+
+
 def test_gxbeam_as_its_source_computes_it():
     """Strain from the force less mu times the rate, S^-1 F - mu e_t = e, in the order axial first."""
     stiffness, mu = coupled(6), (1e-3, 2e-3, 3e-3, 4e-3, 5e-3, 6e-3)

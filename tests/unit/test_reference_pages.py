@@ -20,6 +20,8 @@ CLASSES = PAGES / "classes"
 CELL = re.compile(r"^```\{code-cell\} ipython3\n(.*?)^```", re.DOTALL | re.MULTILINE)
 WIDTH = 88
 """Characters of a line of code that a page shows whole."""
+PRINTED = 80
+"""Characters of a line of a report."""
 DIRECTIVE = re.compile(
     r"^\.\. (?:auto|py:)(class|function|exception|data|module):: ([\w.]+)\n(?:   :members:(.*)\n)?",
     re.MULTILINE,
@@ -94,6 +96,20 @@ def test_code_of_the_pages_fits_their_width():
         if len(line) > WIDTH
     ]
     assert long == []
+
+
+def test_reports_on_pages_are_as_wide_as_they_are_printed():
+    """Reports wrap at 80 columns, so a wider one on a page is older than that."""
+    wide = [
+        f"{page.stem}: {line}"
+        for page in sorted(PAGES.parent.rglob("*.md"))
+        for text in re.findall(
+            r"^```text\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
+        )
+        for line in text.splitlines()
+        if len(line) > PRINTED
+    ]
+    assert wide == []
 
 
 def test_words_of_the_glossary_exist():

@@ -363,6 +363,19 @@ def test_the_only_speed_of_a_steady_rotation_has_its_unit():
     assert texts == ["at 5 rad/s"]
 
 
+def test_what_rests_has_no_swing_and_shows_how_far_it_sags():
+    """Positions that rest change by rounding, to and fro, most along any axis."""
+    data = synthetic_results.swing(zeta=1e-3, omega=2.4 * np.pi)
+    position = np.broadcast_to(data["position"].values[:1], data["position"].shape).copy()
+    position[1::2, -1, 0] += 1e-16
+    rests = Run(data.assign(position=(data["position"].dims, position), velocity=0.0 * data["velocity"]))
+    assert rests.rests
+    site, axis = rests.main_motion
+    assert (site.label, axis) == ("beam.end", "y")
+    axes = rests.plot().axes[1]
+    assert axes.get_title(loc="left") == "Rod in the xy plane"
+
+
 @pytest.mark.parametrize("quickening", [False, True])
 def test_snapshots_of_a_motion_that_goes_to_and_fro_without_a_decay_are_those_of_one_swing(
     monkeypatch, quickening

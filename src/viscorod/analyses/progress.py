@@ -1,7 +1,8 @@
-"""Show the progress of a solution: a bar on a terminal, a few plain lines elsewhere."""
+"""Show the progress of a solution: a bar on a terminal; elsewhere one plain line, a few where it takes long."""
 
 from __future__ import annotations
 
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
@@ -16,6 +17,9 @@ Progress: TypeAlias = Callable[[float, float], None]
 
 _REFRESH = 0.05  # seconds between two updates of the bar
 _LINES = 5  # lines over a whole run where there is no terminal
+_PAUSE = (
+    5.0  # seconds from the first step, or the last line, to the next one there: short runs leave a log alone
+)
 
 
 @contextmanager
@@ -27,7 +31,9 @@ def reporting(course: Course, *, shown: bool = True) -> Iterator[Progress]:
         with _bar(course) as progress:
             yield _Shown(progress)
     else:
-        yield _Shown(_lines(course))
+        lines = _Lines(course)
+        yield _Shown(lines)
+        lines.tell()
 
 
 class _Shown:
@@ -62,16 +68,17 @@ def counting(total: int, noun: str, *, shown: bool = True) -> Iterator[Callable[
             task = bar.add_task("", total=total, whole=0)
             yield lambda done: bar.update(task, completed=done, whole=_whole(done))
         return
-    told = 0
+    told, last = 0, 0.0
     first: tuple[float, float] | None = None  # when, and what was done before
 
     def update(done: float) -> None:
-        nonlocal told, first
+        nonlocal told, first, last
         now = time.monotonic()
-        first = first or (now, done)
+        if first is None:
+            first, last = (now, done), now
         part = int(_LINES * done / total * (1.0 + 1e-9))
-        if part > told:
-            told = part
+        if part > told and now - last >= _PAUSE:
+            told, last = part, now
             began, start = first
             state = f"{_whole(done)} of {total} {noun}"
             if done > start and now > began:
@@ -124,28 +131,38 @@ def _bar(course: Course) -> Iterator[Progress]:
         bar.stop()
 
 
-def _lines(course: Course) -> Progress:
-    shown, before, name, unit = 0, 0.0, course.name, course.unit
-    first: tuple[float, float] | None = (
-        None  # when and where the first step ended; the time before it was preparation
-    )
+class _Lines:
+    """Lines of a run: the last step has one, and those before it where that takes long."""
 
-    def update(reached: float, step: float) -> None:
-        nonlocal shown, before, first
-        now = time.monotonic()
+    def __init__(self, course: Course) -> None:
+        self._course = course
+        self._shown, self._before, self._told, self._waiting = 0, 0.0, math.nan, ""
+        self._first: tuple[float, float] | None = None
+        """When and where the first step ended; the time before it was preparation."""
+
+    def __call__(self, reached: float, step: float) -> None:
+        now, course = time.monotonic(), self._course
         done = course.part(reached)
-        if done < before and before >= 1.0:  # computed again: on a finer mesh, or with smaller steps
-            shown, first = 0, None
-        before = done
-        first = first or (now, reached)
+        if done < self._before and self._before >= 1.0:  # again: on a finer mesh, or with smaller steps
+            self._shown, self._first = 0, None
+        self._before = done
+        self._first = self._first or (now, reached)
+        self._told = now if math.isnan(self._told) else self._told
         part = int(_LINES * done * (1.0 + 1e-9))
-        if part > shown:
-            shown = part
-            began, start = first[0], course.part(first[1])
-            state = f"{name} = {reached:.4g} of {course.end:g}{unit}, step {step:.3g}{unit}"
-            if done > start:
-                left = (now - began) * (1.0 - done) / (done - start)
-                state += f", {max(left, 0.0):.0f} s left"
-            print(state, file=sys.stderr, flush=True)
+        if part <= self._shown:
+            return
+        self._shown = part
+        began, start = self._first[0], course.part(self._first[1])
+        state = f"{course.name} = {reached:.4g} of {course.end:g}{course.unit}, step {step:.3g}{course.unit}"
+        if start < done < 1.0:
+            state += f", {max((now - began) * (1.0 - done) / (done - start), 0.0):.0f} s left"
+        self._waiting = state
+        if now - self._told >= _PAUSE:
+            self._told = now
+            self.tell()
 
-    return update
+    def tell(self) -> None:
+        """Print the last line, unless it was."""
+        if self._waiting:
+            print(self._waiting, file=sys.stderr, flush=True)
+            self._waiting = ""

@@ -17,7 +17,7 @@ __all__ = ["identify"]
 
 def identify(
     fit: Annotated[
-        Path, typer.Argument(metavar="{FIT.toml}", help="What is identified: records, cases, parameters.")
+        Path, typer.Argument(metavar="FIT.toml", help="What is identified: records, cases, parameters.")
     ],
     output: ResultFolder = None,
 ) -> None:

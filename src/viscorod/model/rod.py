@@ -40,6 +40,7 @@ from viscorod.model.sections.section_profile import (
 from viscorod.model.sections.section_stations import Stations
 from viscorod.model.sections.taper import Taper
 from viscorod.model.strain_constraints import constrained_strains, constraint_words
+from viscorod.quantity_text import quantity
 from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats
 
@@ -119,7 +120,7 @@ class Rod(AlongCurves, Definition):
         return cls(kind(**curve), **{name: given[name] for name in cls.model_fields if name != "centreline"})
 
     def _facts(self) -> Iterator[str]:
-        yield f"{type(self.centreline).__name__} of {self.length:.6g} m"
+        yield f"{type(self.centreline).__name__} of {quantity(self.length, 'm')}"
         if isinstance(self.section, AnySection):
             yield repr(self.section)
         else:

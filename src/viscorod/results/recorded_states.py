@@ -28,6 +28,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Quantity", "RecordedStates"]
 
+_ROUNDING = 1e-13
+"""Of the size of the model, as which positions that rest are computed."""
+
 Quantity: TypeAlias = Literal[
     "position",
     "displacement",
@@ -182,11 +185,17 @@ class RecordedStates(WellNamed, Shown, Alike):
         return mesh_errors(self)
 
     @cached_property
-    def main_motion(self) -> tuple[ResultPlace, str]:
-        """The station and the global axis whose displacement has the largest range."""
+    def rests(self) -> bool:
+        """Whether nothing moves from state to state, but for what rounding leaves; so it is of one state alone."""
         low, high = self.displacement_range
-        # one state alone has no range
-        spread = high - low if self.data.sizes[self.dimension] > 1 else np.abs(high)
+        size = float(np.abs(self.field("position", states=0)).max(initial=0.0))
+        return float((high - low).max(initial=0.0)) <= _ROUNDING * size
+
+    @cached_property
+    def main_motion(self) -> tuple[ResultPlace, str]:
+        """The station and the global axis whose displacement has the largest range; the largest where nothing moves."""
+        low, high = self.displacement_range
+        spread = np.abs(high) if self.rests else high - low
         station, axis = np.unravel_index(int(np.argmax(spread)), spread.shape)
         return self.sites.at(int(station)), AXES[int(axis)]
 

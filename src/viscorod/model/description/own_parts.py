@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from abc import ABC, abstractmethod
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -17,9 +17,6 @@ from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing, on_paper
 from viscorod.typing import Floats
 from viscorod.wording import RefusedError, did_you_mean, show, some_of
-
-if TYPE_CHECKING:
-    pass
 
 __all__ = ["OwnParts"]
 

@@ -23,6 +23,7 @@ from viscorod.model.fields.faulty_value import FaultyValue
 from viscorod.model.fields.metadata import Key, accepted, expected, meaning, units_of
 from viscorod.model.fields.quantities import in_si
 from viscorod.model.fields.signature import parameters, signature
+from viscorod.quantity_text import quantity
 from viscorod.shown import Shown
 from viscorod.units import looks_like_quantity
 from viscorod.wording import RefusedError, did_you_mean, nearest_key, path_text, show, some_of
@@ -175,7 +176,7 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
         whole = f"{type(self).__name__}({', '.join(self._words_given(_written))})"
         if len(whole) <= _LINE:
             return whole
-        short = ", ".join(self._words_given(show))
+        short = ", ".join(self._words_given(_in_short))
         return (
             f"{type(self).__name__}({short if len(short) <= 2 * _LINE else short[: 2 * _LINE - 3] + '...'})"
         )
@@ -196,7 +197,12 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
             if name == self.tag or name not in self.model_fields_set or value is None:
                 continue
             unit = f" {units[0]}" if len(units) == 1 and units[0] not in ("1", "*") else ""
-            yield f"{name.replace('_', ' ')}: {_in_words(value)}{unit}"
+            told = (
+                quantity(value, units[0])
+                if unit and isinstance(value, float)
+                else f"{_in_words(value)}{unit}"
+            )
+            yield f"{name.replace('_', ' ')}: {told}"
 
     def model_copy(self, *, update: Mapping[str, Any] | None = None, deep: bool = False) -> Self:
         """Return a copy, with other fields; what was computed of the fields before is left behind."""
@@ -264,6 +270,11 @@ def _written(value: Any) -> str:
         items = ", ".join(map(_written, value))
         return f"({items},)" if len(value) == 1 else f"({items})"
     return repr(value)
+
+
+def _in_short(value: Any) -> str:
+    """Return a value as it is typed, and a definition or a long list in short."""
+    return _written(value) if isinstance(value, float) else show(value)
 
 
 def _in_words(value: Any) -> str:

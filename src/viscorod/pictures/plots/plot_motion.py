@@ -144,8 +144,8 @@ def _curve(time: Floats, value: Floats, rate: Floats) -> tuple[Floats, Floats]:
 def _shown_span(run: Run, place: str, axis: str, decay: Decrement | None) -> tuple[float, float, str]:
     """Return from when to when snapshots are taken [s], and words for it.
 
-    It is a period of a decay. Without one it is the whole motion; of one that goes to and fro so often that snapshots
-    of all of it would meet it anywhere, it is the start until it has gone to and fro once.
+    It is a period of a decay. Without one it is the whole motion, also of what rests; of one that goes to and fro so
+    often that snapshots of all of it would meet it anywhere, it is the start until it has gone to and fro once.
     """
     first, last = float(run.time[0]), float(run.time[-1])
     if decay is not None:
@@ -155,7 +155,7 @@ def _shown_span(run: Run, place: str, axis: str, decay: Decrement | None) -> tup
     values = run.history(place, "displacement").sel(axis=axis).values
     above = values > 0.5 * (values.min() + values.max())
     crossed = run.time[1:][above[1:] != above[:-1]]
-    if crossed.size <= _SNAPSHOTS // 2:
+    if run.rests or crossed.size <= _SNAPSHOTS // 2:
         return first, last, ""
     return first, float(crossed[2]), ", first swing"
 

@@ -36,7 +36,10 @@ class ChronoRayleigh(ProgramInputs):
         f"{_COSSERAT}, ChDampingCosseratRayleigh::ComputeStress",
         "projectchrono/chrono: src/chrono/fea/ChBeamSectionEuler.h (default beta 0.01)",
     )
-    notes = ("a ChBeamSectionEuler on which nothing is set has beta = 0.01 s: set 0 if you want no damping",)
+    notes = (
+        "a ChBeamSectionEuler on which nothing is set has beta = 0.01 s: set 0 if you want no damping",
+        "versions whose vectors are ChVector<> instead of ChVector3d name the method SetBeamRaleyghDamping",
+    )
 
     @classmethod
     def _numbers(cls, data: SectionData, _: Sequence[float], /) -> Sequence[float]:
@@ -52,7 +55,7 @@ class ChronoRayleigh(ProgramInputs):
         beta = number_text(self.beta)
         return (
             f"auto damping = chrono_types::make_shared<ChDampingCosseratRayleigh>(elasticity, {beta});\n"
-            f"// or, for ChElementBeamEuler: section->SetBeamRaleyghDamping({beta});  // as named in the source read"
+            f"// or, for ChElementBeamEuler: section->SetRayleighDamping({beta});  // before: SetBeamRaleyghDamping"
         )
 
 
@@ -71,6 +74,7 @@ class ChronoLinear(ProgramInputs):
     meaning = "n = R_e e_t, m = R_k k_t, component by component: a diagonal damping matrix"
     words = ("R_e.x", "R_e.y", "R_e.z", "R_k.x", "R_k.y", "R_k.z")
     sources = (f"{_COSSERAT}, ChDampingCosseratLinear::ComputeStress",)
+    notes = ("older versions name the vector ChVector<> instead of ChVector3d",)
 
     @classmethod
     def _numbers(cls, data: SectionData, _: Sequence[float], /) -> Sequence[float]:
@@ -125,6 +129,8 @@ class ChronoTapered(ProgramInputs):
     )
     notes = (
         "the coefficients are square roots of times: 0.01 means a time of 1e-4 s; their default is 0.001 (1e-6 s)",
+        "newer versions have two more numbers, which must keep their defaults: alpha = 0 (damping by the mass) and "
+        "SetArtificialFactorForShearDamping(1)",
     )
 
     @classmethod

@@ -147,7 +147,8 @@ class Exudyn(DampingMatrix):
         diagonal = self.numbers
         return (
             f"sectionData.dampingMatrix = np.array([\n    {rows}])\n"
-            "# ObjectANCFCable takes two numbers instead (one bending direction):\n"
+            "# ObjectANCFCable takes two numbers instead (one bending direction); in older versions they are\n"
+            "# physicsBendingDamping and physicsAxialDamping, which exudyn 1.13.6 still takes:\n"
             f"#   bendingDamping={number_text(diagonal[4])}, axialDamping={number_text(diagonal[0])}"
         )
 

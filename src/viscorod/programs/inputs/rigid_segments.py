@@ -73,6 +73,7 @@ class MuJoCo(ProgramInputs):
         plugin = ""
         if self.bend > 0.0:
             plugin = (
+                '<!-- in the model: <extension><plugin plugin="mujoco.elasticity.cable"/></extension> -->\n'
                 '<plugin plugin="mujoco.elasticity.cable">\n'
                 f'  <config key="twist" value="{number_text(self.twist)}"/>\n'
                 f'  <config key="bend" value="{number_text(self.bend)}"/>\n</plugin>\n'

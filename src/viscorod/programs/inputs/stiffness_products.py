@@ -76,11 +76,12 @@ class BeamDyn(StiffnessProduct):
         return np.asarray(self.times[:, None] * stiffness)
 
     def text(self) -> str:
-        """Return the damping lines of the blade file."""
+        """Return the damping lines of the blade file, whose lines are read by their order, headings too."""
         names = "".join(f"{word:>18}" for word in self.words)
         values = "".join(f"{number_text(value):>18}" for value in self.mu)
         units = "".join(f"{'(s)':>18}" for _ in self.words)
-        return f"1   damp_type\n{names}\n{units}\n{values}"
+        heading = "DAMPING COEFFICIENT".join(("-" * 22 + " ", " " + "-" * 35))
+        return f"1   damp_type\n{heading}\n{names}\n{units}\n{values}"
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,12 @@ class GXBeam(StiffnessProduct):
     sources = (
         "byuflowlab/GXBeam.jl: src/element.jl, steady_element_properties (strains less mu times their rates)",
         "byuflowlab/GXBeam.jl: src/assembly.jl, keyword damping; docs/src/theory.md, Structural Damping",
+        "byuflowlab/GXBeam.jl: src/analyses.jl, defaults of structural_damping",
     )
-    notes = ("without structural_damping = true the mu are not used",)
+    notes = (
+        "the mu are used where structural_damping = true, which is the default of time_domain_analysis but not of "
+        "steady_state_analysis and eigenvalue_analysis",
+    )
 
     def law(self, stiffness: Floats) -> Floats:
         """Return S mu, what the code does; not symmetric where coupled strains have different mu."""
