@@ -9,7 +9,7 @@ import viscorod as vr
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.start_state import StartState
-from viscorod.results.state_arrays import LateAttributes
+from viscorod.results.late_attributes import LateAttributes
 from viscorod.solve.history import Snapshot
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.statics import EquilibriumSettings

@@ -8,6 +8,7 @@ from importlib import import_module
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import viscorod as vr
+from viscorod.analyses.one_thread import one_blas_thread
 
 
 def threads():
@@ -29,6 +30,20 @@ def test_threads_of_the_process_are_as_before():
         after = threads()
     assert set.union(*seen) == {1}
     assert after == {2}
+
+
+def test_threads_are_as_before_when_the_last_of_several_computations_ends():
+    """One begins, another begins, the first ends, the other goes on with one thread, and ends."""
+    import_module("scipy.linalg")
+    with threadpool_limits(limits=2, user_api="blas"):
+        first, other = one_blas_thread(), one_blas_thread()
+        first.__enter__()
+        other.__enter__()
+        first.__exit__(None, None, None)
+        meanwhile = threads()
+        other.__exit__(None, None, None)
+        after = threads()
+    assert (meanwhile, after) == ({1}, {2})
 
 
 FIRST = """

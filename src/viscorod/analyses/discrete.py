@@ -5,9 +5,9 @@ from __future__ import annotations
 import json
 import logging
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
-from functools import partial
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -15,7 +15,7 @@ import numpy as np
 from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.model_doubts import model_doubts
-from viscorod.analyses.provenance import material_record, provenance, section_record
+from viscorod.analyses.provenance import provenance, section_record
 from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
@@ -26,6 +26,7 @@ from viscorod.model.actions.rest_strain import RestStrain
 from viscorod.model.description.consistency import require_inertia
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.results.dataset import dataset, state_arrays
+from viscorod.results.late_attributes import LateAttributes
 from viscorod.results.result_places import ResultPlace, ResultPlaces
 from viscorod.results.state_arrays import StateArrays
 from viscorod.solve.constraints.free_motion import FreeMotion
@@ -111,6 +112,12 @@ def with_strains_at_rest(model: ModelDescription) -> ModelDescription:
     return type(model).of(**parts)
 
 
+@cache
+def _announce_assembly() -> None:
+    """Say once if the assembly has to be compiled: to ask Numba takes a hundredth of a small equilibrium."""
+    announce_compilation(geometric.assemble)
+
+
 @dataclass(frozen=True)
 class DiscreteModel:
     """One discretised model with the objects that solve it.
@@ -134,7 +141,7 @@ class DiscreteModel:
     system: System
     supports: SupportState
     static: StaticSolver
-    attributes: dict[str, str]
+    attributes: LateAttributes
     options: CallOptions
     watch: MeshWatch
     began: float
@@ -175,12 +182,13 @@ class DiscreteModel:
         if isinstance(settings, EquilibriumSettings | PathSettings) and model.strains:
             model = with_strains_at_rest(model)
             notes["warnings"] = json.dumps([IMPOSED])
+        model = ModelDescription.of(**model.parts())  # which may change before all is read of a result
         known = with_known_times(model)
-        attributes = provenance(model, options.title, options.attributes) | material_record(known) | notes
+        attributes = provenance(model, known, options.title, options.attributes) | notes
         problem = discretise(known, validated=validated)
         duration = settings.duration if isinstance(settings, SimulateSettings) else 0.0
         attributes["doubts"] = json.dumps(model_doubts(known, problem, duration))
-        announce_compilation(geometric.assemble)
+        _announce_assembly()
         if problem.constrained:
             announce_formulation(joint_forces if problem.joints.count else add_held_strains)
         return cls._begun(known, problem, formulation or ("geometric", "full"), attributes, options)
@@ -191,7 +199,7 @@ class DiscreteModel:
         model: ModelDescription,
         problem: Problem,
         formulation: tuple[str, str],
-        attributes: dict[str, str],
+        attributes: LateAttributes,
         options: CallOptions,
     ) -> DiscreteModel:
         system, supports = FORMULATIONS[formulation].make(problem), SupportState(problem)
@@ -332,7 +340,7 @@ class DiscreteModel:
             1e12 * problem.length * (weight + float(np.abs(loads.dead).sum() + np.abs(loads.following).sum()))
         )
 
-    def complete(self, attrs: dict[str, Any]) -> dict[str, Any]:
+    def complete(self, attrs: Mapping[str, Any]) -> LateAttributes:
         """Return the attributes of a data set, with those that all have."""
         return (
             {

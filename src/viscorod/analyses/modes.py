@@ -9,6 +9,7 @@ from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilib
 from viscorod.analyses.start_state import StartState, require_still
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
+from viscorod.results.state_arrays import Arranged
 from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
@@ -89,20 +90,18 @@ def _result(
         "mode_certified": int(found.certified),
         "mode_about": about,
     }
-    data = discrete.data_set(Modes.kind, history, attributes)()
+    states = discrete.arrays(Modes.kind, history, attributes)
     moving = ("small_motion", "part", "station", "axis")
 
     def parts(values: np.ndarray) -> np.ndarray:
         return np.stack([values.real, values.imag], axis=1)
 
-    return Modes(
-        data.assign(
-            mode_shape=(moving, parts(found.shapes)),
-            mode_rotation=(moving, parts(found.rotations)),
-            mode_name=("small_motion", np.array(found.names, dtype=str)),
-            mode_share=(("small_motion", "component"), found.shares),
-            mode_residual=("small_motion", found.residuals),
-            eigenvalue=(("small_motion", "part"), parts(found.eigenvalues)),
-            part=["real", "imaginary"],
-        )
-    )
+    more: Arranged = {
+        "mode_shape": (moving, parts(found.shapes)),
+        "mode_rotation": (moving, parts(found.rotations)),
+        "mode_name": ("small_motion", np.array(found.names, dtype=str)),
+        "mode_share": (("small_motion", "component"), found.shares),
+        "mode_residual": ("small_motion", found.residuals),
+        "eigenvalue": (("small_motion", "part"), parts(found.eigenvalues)),
+    }
+    return Modes.later(lambda: states().beside(more, {"part": ("real", "imaginary")}))

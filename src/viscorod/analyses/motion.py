@@ -29,6 +29,7 @@ from viscorod.results.dataset import state_arrays
 from viscorod.results.files.gathered import Gathered
 from viscorod.results.files.storage import read
 from viscorod.results.files.stream import JournalStream, Stream
+from viscorod.results.late_attributes import LateAttributes
 from viscorod.results.result_warnings import energy_doubt
 from viscorod.results.run import Run
 from viscorod.results.state_arrays import StateArrays
@@ -62,7 +63,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
     integrated = integrates_strains(settings)
     if options.folder is None:
         return _motion(discrete, settings, labels, Stream(Gathered(), build, sampled=integrated))
-    stream = JournalStream(options.folder, build, labels, resume=options.resume, sampled=integrated)
+    stream = JournalStream(options.folder, build, dict(labels), resume=options.resume, sampled=integrated)
     try:
         if stream.doubt:
             warn(stream.doubt, at_once=True)
@@ -72,7 +73,7 @@ def motion(discrete: DiscreteModel, settings: SimulateSettings) -> Run:
 
 
 def _motion(
-    discrete: DiscreteModel, settings: SimulateSettings, labels: dict[str, str], stream: Stream
+    discrete: DiscreteModel, settings: SimulateSettings, labels: LateAttributes, stream: Stream
 ) -> Run:
     """Compute a motion, whose states go to a stream as they come.
 
@@ -207,7 +208,7 @@ def _estimated_errors(
     return told.attributes | watch.attributes
 
 
-def _recorded(discrete: DiscreteModel, stream: Stream, labels: dict[str, str]) -> Run:
+def _recorded(discrete: DiscreteModel, stream: Stream, labels: LateAttributes) -> Run:
     """Return all states of a run that is over, to be read, before its result is made."""
     if stream.whole:
         arrays = _arrays(discrete, stream, discrete.attributes | labels)
@@ -216,7 +217,7 @@ def _recorded(discrete: DiscreteModel, stream: Stream, labels: dict[str, str]) -
     return Run.owning(stream.contents())
 
 
-def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, interrupted: bool) -> Run:
+def _result(discrete: DiscreteModel, stream: Stream, attrs: LateAttributes, *, interrupted: bool) -> Run:
     """Return the run of all states in a stream, in memory or on disk, with these attributes."""
     if interrupted:  # it goes on from the disk
         stream.flush()
@@ -226,8 +227,7 @@ def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, i
         about = discrete.attributes | {"settings": attrs["settings"]} | discrete.complete(attrs)
         arrays = _arrays(discrete, stream, about)
         run = Run.later(lambda: arrays)
-        arrays.attrs = told = dict(arrays.attrs)
-        tell(told, energy_doubt(arrays))
+        tell(arrays.attrs, energy_doubt(arrays))
         if written is not None:
             written.write(run.data)
         return run
@@ -244,10 +244,10 @@ def _result(discrete: DiscreteModel, stream: Stream, attrs: dict[str, Any], *, i
     keep(attrs, written.doubt)
     if not interrupted:
         tell(attrs, energy_doubt(written.contents().assign_attrs(attrs)))
-    return Run(read(written.finish(discrete.complete(attrs), keep=interrupted)))
+    return Run(read(written.finish(dict(discrete.complete(attrs)), keep=interrupted)))
 
 
-def _arrays(discrete: DiscreteModel, history: History, attrs: dict[str, Any]) -> StateArrays:
+def _arrays(discrete: DiscreteModel, history: History, attrs: LateAttributes) -> StateArrays:
     """Return the arrays of a motion, which are copies of what a history recorded."""
     return state_arrays("simulate", discrete.problem, discrete.system.gauss_positions(), history, attrs)
 

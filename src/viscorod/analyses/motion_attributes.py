@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from collections.abc import MutableMapping
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
@@ -85,14 +86,14 @@ def failure(discrete: DiscreteModel, transient: Transient) -> str:
     return ""
 
 
-def tell(attrs: dict[str, Any], doubt: str) -> None:
+def tell(attrs: MutableMapping[str, Any], doubt: str) -> None:
     """Keep a doubt among the warnings of a result, and show it."""
     if doubt:
         keep(attrs, doubt)
         warn(doubt)
 
 
-def keep(attrs: dict[str, Any], doubt: str) -> None:
+def keep(attrs: MutableMapping[str, Any], doubt: str) -> None:
     """Keep a doubt, which has been shown, among the warnings of a result."""
     if doubt:
         attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])

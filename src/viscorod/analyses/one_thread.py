@@ -2,13 +2,19 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Iterator
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from functools import lru_cache
 from importlib import import_module
 from typing import Any
 
 __all__ = ["one_blas_thread"]
+
+_LOCK = threading.Lock()
+_in_use: list[None] = []
+"""An entry for each computation that goes on within the limit, in whatever thread."""
+_limits = ExitStack()
 
 BRING_BLAS = ("numpy.linalg", "scipy.linalg")
 """Modules with which the process loads libraries for linear algebra: what is computed needs them all the same, and
@@ -21,8 +27,19 @@ def one_blas_thread() -> Iterator[None]:
 
     The matrices of rods are small blocks and narrow bands: further threads take processor time to wait for each other.
     """
-    with _libraries().limit(limits=1, user_api="blas"):
+    # to look at all libraries and to set them takes a fiftieth of a small equilibrium; and of two threads that do it,
+    # the first to end would give the other one all threads again
+    with _LOCK:
+        if not _in_use:
+            _limits.enter_context(_libraries().limit(limits=1, user_api="blas"))
+        _in_use.append(None)
+    try:
         yield
+    finally:
+        with _LOCK:
+            _in_use.pop()
+            if not _in_use:
+                _limits.close()
 
 
 @lru_cache

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import json
 import platform
-from functools import cache
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
@@ -15,28 +15,43 @@ from viscorod.model.materials.material import Material
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
 from viscorod.model.sections.section_base import AnySection
+from viscorod.results.late_attributes import LateAttributes, Later
 from viscorod.solve.formulations.system import GaussPositions
 
-__all__ = ["material_record", "provenance", "section_record"]
+__all__ = ["provenance", "section_record"]
 
 CAPACITIES = 65
 """Stations at which the heat capacity of a rod is taken."""
 
 
-def provenance(model: ModelDescription, title: str, more: dict[str, str]) -> dict[str, str]:
-    """Return the attributes that every result has: the model as a case, versions, and ``more`` that is given."""
+def provenance(
+    model: ModelDescription, known: ModelDescription, title: str, more: dict[str, str]
+) -> LateAttributes:
+    """Return the attributes that every result has: the model as a case, versions, laws, and ``more`` that is given.
+
+    What has to be made of the model is made when it is asked for, so it must not change; but at once where sections are
+    functions of the arc length, which may return others later.
+
+    Args:
+        model: that was given; known: the same with the times of all its materials.
+    """
     from viscorod import __version__
 
-    case = json.dumps(model.to_dict())
-    text = (more.get("case_text") or case) + more.get("case_changes", "")
-    return {
-        "title": title,
-        "case": case,
-        "case_hash": hashlib.sha256(text.encode()).hexdigest(),
-        "version": __version__,
-        "platform": _platform(),
-        **more,
-    }
+    def case() -> dict[str, str]:
+        written = json.dumps(model.to_dict())
+        text = (more.get("case_text") or written) + more.get("case_changes", "")
+        return {"case": written, "case_hash": hashlib.sha256(text.encode()).hexdigest()}
+
+    there = {"title": title, "version": __version__, "platform": _platform(), **more}
+    if any(callable(rod.section) and not isinstance(rod.section, AnySection) for rod in model.rods.values()):
+        return LateAttributes(there | case() | material_record(known))
+    return LateAttributes(
+        there,
+        Later(("case", "case_hash"), cache(case)),
+        Later(
+            ("damping_assumptions", "damping_laws", "heat_capacities"), cache(partial(material_record, known))
+        ),
+    )
 
 
 @cache

@@ -12,13 +12,16 @@ from viscorod.mechanics.elements.section_laws import POWER
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
-from viscorod.results.state_arrays import LateAttributes, StateArrays
+from viscorod.results.late_attributes import LateAttributes
+from viscorod.results.result_places import ResultPlaces
+from viscorod.results.state_arrays import StateArrays
 from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.history import History, Snapshots, StationReader, station_reader
+from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.law_responses import law_responses
 from viscorod.solve.problem.problem import Problem
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -28,7 +31,7 @@ AT_ONCE = 4096
 
 
 def dataset(
-    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: dict[str, Any]
+    kind: str, problem: Problem, gauss: GaussPositions, history: History, attrs: Mapping[str, Any]
 ) -> xr.Dataset:
     """Arrange a history as the data set of a result that has states; see :func:`state_arrays`."""
     return state_arrays(kind, problem, gauss, history, attrs).data_set()
@@ -39,7 +42,7 @@ def state_arrays(
     problem: Problem,
     gauss: GaussPositions,
     history: History,
-    attrs: dict[str, Any],
+    attrs: Mapping[str, Any],
     late: Callable[[], dict[str, Any]] | None = None,
 ) -> StateArrays:
     """Arrange a history as the arrays of a result that has states.
@@ -51,9 +54,10 @@ def state_arrays(
         attrs: attributes of the whole data set (see ``schema``); late: what makes those that are not known yet.
     """
     content = _content(kind, problem, gauss, history)
-    known = {"kind": kind, **attrs}
+    known = LateAttributes({"kind": kind}) | attrs
     levels = DIMENSION[kind], np.array(history.instant)
-    return StateArrays(*content, levels, known if late is None else LateAttributes(known, late))
+    attributes = known if late is None else known | LateAttributes({}, late)
+    return StateArrays(*content, levels, attributes, _sites(problem))
 
 
 def dataset_beside(
@@ -181,21 +185,33 @@ def _dissipation(problem: Problem, gauss: GaussPositions, recorded: Snapshots) -
     return np.asarray(power)
 
 
-def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader) -> dict[str, Any]:
-    """Return where stations and Gauss points are, and the relaxation times."""
+def _stations(problem: Problem) -> tuple[np.ndarray, Floats, Integers]:
+    """Return of every station the rod or body, the arc length [m], and the order of its elements, 0 of bodies."""
     names, bodies, stations = np.array(problem.rods), problem.bodies.names, problem.stations
     still = np.zeros(len(bodies))
+    order = np.append(problem.rod_orders[stations.rod], still.astype(np.int64))
+    return np.array([*names[stations.rod], *bodies]), np.append(stations.s, still), order
+
+
+@once_of_layout
+def _sites(problem: Problem) -> ResultPlaces:
+    return ResultPlaces.of(*_stations(problem))
+
+
+def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader) -> dict[str, Any]:
+    """Return where stations and Gauss points are, and the relaxation times."""
+    rods, s, order = _stations(problem)
     coordinates: dict[str, Any] = {
-        "station_rod": ("station", np.array([*names[stations.rod], *bodies])),
-        "station_s": ("station", np.append(stations.s, still)),
-        "station_order": ("station", np.append(problem.rod_orders[stations.rod], still.astype(np.int64))),
-        "point_rod": ("point", names[gauss.rod]),
+        "station_rod": ("station", rods),
+        "station_s": ("station", s),
+        "station_order": ("station", order),
+        "point_rod": ("point", np.array(problem.rods)[gauss.rod]),
         "point_s": ("point", gauss.s),
         "point_weight": ("point", gauss.length),
     }
     if problem.relaxing:
         coordinates["relaxation_time"] = ("branch", problem.relaxation_times)
-    if bodies:
+    if problem.bodies.names:
         coordinates["station_body"] = ("station", bodies_of_stations(problem, reader))
     return coordinates
 

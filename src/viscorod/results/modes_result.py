@@ -111,7 +111,7 @@ class Modes(Result):
         under loads that turn them back, ``"damper"`` for what dampers alone resist; rigid motions are described. Modes
         near a frequency have no number where there are too many below them to be counted by kind.
         """
-        return tuple(str(name) for name in self.data["mode_name"].values)
+        return tuple(str(name) for name in self.stored["mode_name"].values)
 
     @property
     def shares(self) -> Floats:
@@ -121,7 +121,7 @@ class Modes(Result):
     @property
     def rigid(self) -> int:
         """Number of rigid motions in the list."""
-        return int(self.data.attrs["mode_rigid"])
+        return int(self.stored.attrs["mode_rigid"])
 
     @property
     def certified(self) -> bool:
@@ -133,12 +133,12 @@ class Modes(Result):
         couples the modes of a large model, or where following loads make its stiffness unsymmetric: residuals hold,
         but nothing proves that there are no others.
         """
-        return bool(self.data.attrs["mode_certified"])
+        return bool(self.stored.attrs["mode_certified"])
 
     @property
     def frequency_errors(self) -> Floats:
         """Estimated errors of the frequencies by the mesh, in parts of them ``(modes,)``; none where not estimated."""
-        return self._values("mode_error") if "mode_error" in self.data else np.zeros(0)
+        return self._values("mode_error") if "mode_error" in self.stored else np.zeros(0)
 
     def with_errors(self, errors: Floats) -> Self:
         """Return the same with estimated errors of the frequencies ``(modes,)``."""
@@ -179,7 +179,7 @@ class Modes(Result):
     @property
     def assumptions(self) -> list[str]:
         """What was assumed of the damping of the rods, one sentence each, such as how well moduli were fitted."""
-        by_rod = json.loads(self.data.attrs.get("damping_assumptions", "{}"))
+        by_rod = json.loads(self.stored.attrs.get("damping_assumptions", "{}"))
         sentences: dict[str, list[str]] = {}
         for rod, texts in by_rod.items():
             for text in texts:
@@ -189,7 +189,7 @@ class Modes(Result):
     @property
     def about(self) -> str:
         """What they are about, in words."""
-        return str(self.data.attrs.get("mode_about", "a state"))
+        return str(self.stored.attrs.get("mode_about", "a state"))
 
     @checked
     def plot(
@@ -219,7 +219,7 @@ class Modes(Result):
         return delivered(draw_modes(self, self, count, number, ax), path)
 
     def _values(self, name: str) -> Floats:
-        return np.asarray(self.data[name].values, dtype=float)
+        return np.asarray(self.stored[name].values, dtype=float)
 
     def _complex(self, name: str) -> np.ndarray:
         parts = self._values(name)

@@ -97,7 +97,9 @@ class RecordedStates(WellNamed, Shown, Alike):
     @cached_property
     def sites(self) -> ResultPlaces:
         """The stations, by rod and arc length."""
-        return ResultPlaces(self.stored)
+        stored = self.stored
+        known = stored.sites if isinstance(stored, StateArrays) else None
+        return ResultPlaces(stored) if known is None else known
 
     def _content(self) -> Any:
         return self.data

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, MutableMapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property, lru_cache
 from typing import TYPE_CHECKING, Any, NamedTuple, TypeAlias
@@ -14,7 +14,9 @@ from viscorod.typing import Floats
 if TYPE_CHECKING:
     import xarray as xr
 
-__all__ = ["Arranged", "LateAttributes", "PlainArray", "StateArrays", "Stored"]
+    from viscorod.results.result_places import ResultPlaces
+
+__all__ = ["Arranged", "PlainArray", "StateArrays", "Stored"]
 
 Arranged: TypeAlias = dict[str, tuple[str | tuple[str, ...], np.ndarray | Callable[[], np.ndarray]]]
 """Arrays by name, or what makes them when they are asked for, each after its dimensions."""
@@ -87,32 +89,6 @@ class _Variables(Mapping[str, PlainArray]):
         return (self[name] for name, (_, values) in self._given.items() if not callable(values))
 
 
-class LateAttributes(Mapping[str, Any]):
-    """Attributes of which some are made when one is asked for that is not known.
-
-    Args:
-        known: those that are; make: returns the others.
-    """
-
-    def __init__(self, known: dict[str, Any], make: Callable[[], dict[str, Any]]) -> None:
-        self._known, self._make = known, make
-
-    @cached_property
-    def _all(self) -> dict[str, Any]:
-        found = self._known | self._make()
-        del self._make
-        return found
-
-    def __getitem__(self, name: str) -> Any:
-        return self._known[name] if name in self._known else self._all[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._all)
-
-    def __len__(self) -> int:
-        return len(self._all)
-
-
 @dataclass
 class StateArrays:
     """What the data set of a result is made of.
@@ -121,13 +97,15 @@ class StateArrays:
         arrays: variables of the result; coordinates: along stations, points and others.
         places: names along dimensions that have some; levels: the dimension of the states, and where they are.
         attrs: attributes of the whole.
+        sites: the stations, where they are known already.
     """
 
     arrays: Arranged
     coordinates: Arranged
     places: dict[str, tuple[str, ...]]
     levels: tuple[str, Floats]
-    attrs: Mapping[str, Any] = field(default_factory=dict)
+    attrs: MutableMapping[str, Any] = field(default_factory=dict)
+    sites: ResultPlaces | None = None
 
     @cached_property
     def variables(self) -> _Variables:

@@ -50,6 +50,16 @@ class MaterialSection(AnySection):
         inertia = np.diag([area, area, area, inertia_1, inertia_2, inertia_1 + inertia_2])
         return extensional, shearing, inertia
 
+    def _shape(self, poissons_ratio: float) -> Matrices:
+        """Return the :meth:`geometry`, kept for one Poisson's ratio: members of a sweep share their sections."""
+        known: tuple[float, Matrices] | None = vars(self).get("_known_geometry")
+        if known is None or known[0] != poissons_ratio:
+            known = poissons_ratio, self.geometry(poissons_ratio)
+            for matrix in known[1]:
+                matrix.flags.writeable = False
+            vars(self)["_known_geometry"] = known
+        return known[1]
+
     def by_material(self, material: Material | None) -> list[tuple[Material, Floats, Floats]]:
         """See `AnySection.by_material`: one."""
         material = required(material)
@@ -68,7 +78,7 @@ class MaterialSection(AnySection):
             InputError: there is no material.
         """
         material = required(material)
-        extensional, shearing, inertia = self.geometry(material.poissons_ratio)
+        extensional, shearing, inertia = self._shape(material.poissons_ratio)
         stiffness = material.youngs_modulus * extensional + material.shear_modulus * shearing
         damping = np.zeros((6, 6))
         if not material.branches:
@@ -82,7 +92,7 @@ class MaterialSection(AnySection):
             InputError: there is no material.
         """
         material = required(material)
-        extensional, shearing, _ = self.geometry(material.poissons_ratio)
+        extensional, shearing, _ = self._shape(material.poissons_ratio)
         branches = material.branches
         times = np.array([branch.time for branch in branches])
         stiffness = [b.youngs_modulus * extensional + b.shear_modulus * shearing for b in branches]

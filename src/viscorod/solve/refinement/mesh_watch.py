@@ -302,7 +302,6 @@ class MeshWatch:
         if self.free:
             look()
             return lambda: self.attributes
-        self.model = ModelDescription.of(**self.model.parts())
 
         def told() -> dict[str, Any]:
             look()

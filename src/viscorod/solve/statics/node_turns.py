@@ -12,6 +12,9 @@ from viscorod.typing import Floats
 LARGEST = 0.9 * np.pi
 """Largest rotation [rad] between neighbouring nodes of an equilibrium: quaternions beyond half a turn wrap."""
 
+SURELY_SMALL = np.cos(np.pi / 9.0)
+"""Scalar part of the quaternions of rotations by 40 degrees: four of them are less than half a turn in any order."""
+
 
 class NodeTurns:
     """Rotations between the neighbouring nodes of all elements of a problem."""
@@ -47,6 +50,9 @@ class NodeTurns:
         Past it, the rotation between two nodes has not changed by as much as they have turned, but by whole turns less.
         """
         (a, b), (a1, b1) = self._ends(old), self._ends(new)
+        turned = np.stack([np.einsum("nk,nk->n", *pair) for pair in ((a, b), (a1, b1), (a, a1), (b, b1))])
+        if np.abs(turned).min(initial=1.0) > SURELY_SMALL:
+            return False
         # from end to end before and then, and of the second and the first end from before to then, all in one call
         turns = product(conjugate(np.concatenate([a, a1, b, a])), np.concatenate([b, b1, b1, a1]))
         first, then, own, other = np.split(rotation_vectors(turns), 4)
