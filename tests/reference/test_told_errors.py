@@ -75,6 +75,30 @@ def damped_crank_turn():
     return crank_turn(5e-5)
 
 
+def run_up_crank():
+    """A slider-crank of steel rods, whose crank is run up to 10 turns per second: nothing jumps, all turns far."""
+    damping = vr.KelvinVoigt(1e-6, 1e-6)
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7850.0, damping=damping)
+    given = {"section": vr.Circle(0.004), "material": material, "elements": 2, "order": 4}
+    model = vr.Model()
+    model.add("crank", vr.Rod.straight((0, 0, 0), (0.1, 0, 0), **given))
+    model.add("coupler", vr.Rod.straight((0.1, 0, 0), (0.4, 0, 0), **given))
+    model.add("slider", vr.Body(mass=0.5, inertia=(1e-4, 1e-4, 1e-4), centre=(0.4, 0, 0)))
+    model.revolute(
+        "crank.start", "ground", (0, 1, 0), motion={"rz": vr.SpinUp(speed=20 * np.pi, duration=0.1)}
+    )
+    model.revolute("coupler.start", "crank.end", (0, 1, 0))
+    model.revolute("slider", "coupler.end", (0, 1, 0))
+    model.support("slider", fixed=["uz"])
+    return model, {"duration": 0.2, "initial": "reference"}
+
+
+def suddenly_spun():
+    """The first tenth of a second of the plate below: its spin begins at once, and it rings along itself undamped."""
+    model, given = middle_axis()
+    return model, given | {"duration": 0.1}
+
+
 def middle_axis():
     """A plate that spins about the axis of its middle inertia, and a little about the others: it turns over."""
     model = vr.Model()
@@ -142,7 +166,7 @@ def compared(run, fine):
 
 MOTIONS = (
     swinging, relaxing, suddenly_loaded, pulled, tumbling, falling, halves, double_pendulum, crank_turn,
-    damped_crank_turn,
+    damped_crank_turn, run_up_crank, suddenly_spun,
 )  # fmt: skip
 
 
@@ -208,6 +232,25 @@ def test_grown_errors_of_equal_steps_are_told(integrator):
     moved, turned, _, _ = compared(run, fine)
     assert 1.0 / 3.0 < run.step_errors["position"] / moved < 3.0
     assert 1.0 / 3.0 < run.step_errors["rotation"] / turned < 3.0
+
+
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+def test_a_motion_alone_has_the_same_numbers_and_no_second_run():
+    """Without estimates nothing is told of errors; where they choose the mesh they cannot be left out."""
+    model, given = middle_axis()
+    known, reached = model.simulate(**given), []
+    alone = model.simulate(**given, errors=False, progress=lambda t, _: reached.append(t))
+    for name in ("position", "rotation", "section_force"):
+        np.testing.assert_array_equal(alone.data[name].values, known.data[name].values)
+    assert reached == sorted(reached)
+    assert alone.step_errors == alone.mesh_errors == {}
+    assert known.step_errors
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=vr.Material(2e11, 0.3, 7850.0)
+    )
+    model.add("free", rod)
+    with pytest.raises(vr.InputError, match="errors: False: the program chooses the mesh of 'free'"):
+        model.simulate(0.1, errors=False)
 
 
 def test_a_second_run_that_is_stopped_tells_that_errors_are_not_known():

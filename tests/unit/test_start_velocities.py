@@ -1,5 +1,6 @@
-"""Initial velocities that supports or joints hold are told: the motion begins with a blow there."""
+"""Motions that begin with a blow, and supports whose motions begin elsewhere than the model, are told or refused."""
 
+import numpy as np
 import pytest
 
 import viscorod as vr
@@ -58,3 +59,45 @@ def test_a_joint_that_holds_what_moves_is_named():
     assert found[0] == []
     assert len(found[1]) == 1
     assert ", uy hold" in found[1][0]
+
+
+def shaken(**given):
+    """A steel bar that is shaken along itself at its start."""
+    model = vr.Model()
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7850.0)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (1, 0, 0), section=vr.Circle(0.01), material=material, elements=2, order=3
+    )
+    model.add("bar", rod)
+    model.clamp("bar.start", motion={"ux": vr.Sine(20.0, amplitude=1e-3, **given)})
+    return model
+
+
+def test_a_reference_shape_that_a_support_would_tear_is_refused():
+    """The bar was stretched by the amplitude within its first node spacing, and took 1e5 steps, without a word."""
+    model = shaken(phase=np.pi / 2)
+    with pytest.raises(vr.InputError, match=r"the motion of bar\.start begins elsewhere"):
+        model.simulate(0.01, initial="reference")
+    run = model.simulate(0.01)  # from the equilibrium there
+    np.testing.assert_allclose(
+        run.data["position"].values[0, :, 0] - run.data["reference_position"][:, 0], 1e-3
+    )
+
+
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+@pytest.mark.parametrize(("given", "count"), [({}, 1), ({"phase": -np.pi / 2, "offset": 0.01}, 0)])
+def test_a_motion_that_begins_with_a_velocity_is_told(given, count):
+    """An inverted pendulum on a shaker: a wave of the force rho c v A goes up the bar, which long steps lose."""
+    model = vr.Model()
+    material = vr.Material(2e11, poissons_ratio=0.3, density=7850.0)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.02, 0, 0.2), section=vr.Circle(0.004), material=material, elements=2, order=3
+    )
+    model.add("bar", rod)
+    motion = {"uz": vr.Sine(60.0, amplitude=0.01, **given)}
+    model.support("bar.start", fixed=["ux", "uy", "rx", "rz"], motion=motion)
+    run = model.simulate(0.1, initial="reference")
+    told = [text for text in run.warnings if "bar.start begins with a velocity at t = 0" in text]
+    assert len(told) == count
+    wave = np.sqrt(2e11 * 7850.0) * 2.0 * np.pi * 60.0 * 0.01 * np.pi * 0.004**2  # 7500 N
+    assert (run.step_errors["section_force"] > wave / 3.0) == bool(count)

@@ -205,6 +205,12 @@ class SimulateArguments(SimulateSettings, Progressing, Differentiated):
         default=False,
         kw_only=True,
     )
+    errors: Annotated[bool, _kept("errors", "True or False", flag)] = Key(
+        "False computes the motion alone: its numbers are the same, but nothing is told of the errors of steps and "
+        "mesh, for which some steps are tried again, and some motions as a whole; rods need given elements then",
+        default=True,
+        kw_only=True,
+    )
 
 
 class ResponseArguments(ResponseSettings, Progressing, Differentiated):

@@ -105,6 +105,9 @@ class Model(Inspected):
         from viscorod.analyses.refinement import refined_motion
 
         discrete = DiscreteModel.of(self, call, call.options)
+        if not call.errors and (free := discrete.watch.free):
+            why = f"the program chooses the mesh of {', '.join(map(repr, free[:6]))} by the errors that it leaves"
+            raise InputError(Fault("errors", "False", why, "give these rods elements, or leave errors out"))
         run = refined_motion(motion, discrete, call)
         if call.derivatives:
             from viscorod.analyses.derivatives.differentiate import with_derivatives

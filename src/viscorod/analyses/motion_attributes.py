@@ -6,6 +6,8 @@ import json
 from collections.abc import MutableMapping
 from typing import Any
 
+import numpy as np
+
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.modal_reduction import told_of_modes
 from viscorod.analyses.motion_stepping import integrates_strains
@@ -22,6 +24,11 @@ from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.transient_solver import Transient
 
 __all__ = ["blows", "described", "failure", "keep", "tell"]
+
+LOOKS = 101
+"""Times at which prescribed motions are looked at."""
+ROUNDED = 1e-6
+"""Part of the largest speed of a prescribed motion below which it begins at rest."""
 
 
 def described(
@@ -99,8 +106,12 @@ def keep(attrs: MutableMapping[str, Any], doubt: str) -> None:
         attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
 
 
-def blows(problem: Problem) -> str:
-    """Return a warning if a support or motor moves along straight lines between many rows, else nothing."""
+def blows(problem: Problem, *, lost: bool, duration: float) -> str:
+    """Return a warning if supports or motors move by blows: along straight lines between many rows, or from t = 0 on.
+
+    Args:
+        lost: whether steps lose vibrations, as those that a blow at the start sets off; duration: of the motion [s].
+    """
     places = {id(motion): problem.supports.names[k] for k, _, motion in problem.supports.motions}
     motions = [motion for _, _, motion in problem.supports.motions] + [m for _, m in problem.joints.motions]
     for motion in motions:
@@ -109,4 +120,13 @@ def blows(problem: Problem) -> str:
                 f"the motion of {places.get(id(motion), 'a joint')} is a table of {len(motion.knots)} rows joined by "
                 "straight lines: its velocity jumps at every row, each a blow; give interpolation = 'cubic'"
             )
+    for motion in motions if lost else ():
+        begun = abs(motion.rate(0.0))
+        if begun <= ROUNDED * max(abs(motion.rate(t)) for t in np.linspace(0.0, duration, LOOKS).tolist()):
+            continue
+        return (
+            f"the motion of {places.get(id(motion), 'a joint')} begins with a velocity at t = 0, a blow to what is "
+            "at rest, which sends waves along the rods; let it begin smoothly, as SmoothRamp and SpinUp do, or a sine "
+            "from where it turns back (phase = -pi/2 with offset = amplitude)"
+        )
     return ""

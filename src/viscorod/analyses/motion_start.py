@@ -43,6 +43,7 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
         text = "the equilibrium" if search is None else f"the equilibrium, found by {search.found_by}"
     else:
         _require_closed(discrete)
+        _require_held(discrete, state)
     given = discrete.problem.initial_twist(state.r, state.q)
     if settings.start is None:
         state.twist[:] = given
@@ -71,15 +72,9 @@ def _note(discrete: DiscreteModel, doubts: Sequence[str], *, show: bool = False)
 
 def _require_reached(discrete: DiscreteModel, state: State) -> None:
     """Refuse a start in which supports or motors are not where their motions begin."""
-    supports, constraints, length = discrete.supports, discrete.system.constraints, discrete.problem.length
-    supports.update(0.0)
+    constraints = discrete.system.constraints
     constraints.update(0.0)
-    gaps = np.abs(supports.set.fixed * (supports.measured(state) - supports.target))
-    gaps[supports.set.in_body] = 0.0
-    apart = {
-        name: float(max(gap[:3].max() / length, gap[3:].max()))
-        for name, gap in zip(supports.set.names, gaps, strict=True)
-    }
+    apart = _supports_apart(discrete, state)
     value, _, _ = constraints.measure(state)
     for c in np.flatnonzero(constraints.is_held):
         apart[constraints.joints.label(int(c))] = float(
@@ -91,6 +86,29 @@ def _require_reached(discrete: DiscreteModel, state: State) -> None:
             f"start: {', '.join(wrong[:6])} {'is' if len(wrong) == 1 else 'are'} elsewhere in the earlier result than "
             "this model prescribes at t = 0; let its motions begin at what they are there, or find the equilibrium "
             "from there first (equilibrium with start)"
+        )
+
+
+def _supports_apart(discrete: DiscreteModel, state: State) -> dict[str, float]:
+    """Return by how much a start misses what each support prescribes: over the length of the model, or in rad."""
+    supports = discrete.supports
+    supports.update(0.0)
+    gaps = np.abs(supports.set.fixed * (supports.measured(state) - supports.target))
+    gaps[supports.set.in_body] = 0.0
+    return {
+        name: float(max(gap[:3].max() / discrete.problem.length, gap[3:].max()))
+        for name, gap in zip(supports.set.names, gaps, strict=True)
+    }
+
+
+def _require_held(discrete: DiscreteModel, state: State) -> None:
+    """Refuse to start from a reference shape that supports would tear: their motions begin elsewhere."""
+    wrong = [name for name, gap in _supports_apart(discrete, state).items() if gap > REACHED]
+    if wrong:
+        raise InputError(
+            f"initial = 'reference': the motion of {', '.join(wrong[:6])} begins elsewhere than in the reference "
+            "shape, and would tear the rods there at t = 0. Let it begin at 0 (an offset, or another phase), start "
+            "from the equilibrium (initial = 'equilibrium'), or place the parts where they begin"
         )
 
 

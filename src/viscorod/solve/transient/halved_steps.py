@@ -69,8 +69,8 @@ class Trials:
         rest: the largest error that no mode explains, body axes ``(n, 6)``; within: largest ones of the polynomials
             between the ends of steps, in their middle, at every node.
         moved: largest displacement [m] and rotation [rad] of a node from the start ``(2,)``.
-        starts: when the run began, and began anew after jumps [s]; released: amplitudes that each vibration then has
-            ``(k,)``, about where all is in balance.
+        starts: when the run began, and began anew after jumps [s]; released: what each vibration is set off by then,
+            displacement from where all is in balance and velocity over the frequency ``(2, k)``.
         forces: largest force [N] and moment [N m] of sections ``(2,)``; apart: largest error of these in a step, also
             within it where strains are unknowns of their own.
     """
@@ -157,21 +157,26 @@ class HalvedSteps:
         self._run, self.seen = integrator, integrator.seen_by_halving
         self._start, self._duration, self._started = integrator.state.copy(), duration, False
         self._measure(integrator.state.r, integrator.state.q, integrator.snapshot().section_force)
-        self.release(integrator)
+        self.release(integrator, 0.0, 0.0)
 
-    def release(self, integrator: Integrator) -> None:
+    def release(self, integrator: Integrator, unbalanced: Floats | float, twist: Floats | float) -> None:
         """Note which vibrations are set off where the run has begun, or begun anew after a jump.
 
-        Velocities of what supports or motors carry along are no vibrations.
+        They are what the jump changes: what turns or swings is out of balance all the time. Velocities of what supports
+        or motors carry along are no vibrations.
+
+        Args:
+            unbalanced, twist: what accelerated the nodes, and their body twists, just before ``(n, 6)``; 0 at the
+                start.
         """
         trials, modes, state = self._trials, self.modes, integrator.state
         shapes, _ = self._shapes_at(state)
-        found = np.abs(shapes.T @ integrator.unbalanced().ravel()) / modes.omega
+        moved = -shapes.T @ (integrator.unbalanced() - unbalanced).ravel() / modes.omega**2
+        moving = np.zeros_like(moved)
         if not self.problem.supports.motions and not self.problem.joints.motions:
-            momenta = np.einsum("nij,nj->ni", self.mass, state.twist)
-            found = np.hypot(found, shapes.T @ momenta.ravel())
+            moving = shapes.T @ np.einsum("nij,nj->ni", self.mass, state.twist - twist).ravel() / modes.omega
         trials.starts.append(integrator.t)
-        trials.released.append(found / modes.omega)
+        trials.released.append(np.array([moved, moving]))
 
     def _shapes_at(self, state: State) -> tuple[Floats, Floats]:
         """Return the shapes of vibrations and of rigid motions in a state."""

@@ -7,6 +7,7 @@ frequency and amplitude do: after n steps of a free vibration that is ``n |R(a h
 
 from __future__ import annotations
 
+from collections import deque
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -179,21 +180,23 @@ def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
 def _lost(halved: HalvedSteps, stands_for: Floats) -> Floats:
     """Return what steps make wrong of vibrations that jumps set off ``(k,)``: at most all that is left of them.
 
-    Steps that are longer than a vibration damp it, or keep it out of phase, before any is tried again.
+    Steps that are longer than a vibration damp it, or keep it out of phase, before any is tried again. Vibrations about
+    the start add up: what one jump sets off goes on after the next.
     """
     trials, eigenvalues = halved.trials, halved.modes.eigenvalues
     lengths, times = np.array(trials.lengths), np.array(trials.times)
     every = np.outer(lengths, eigenvalues)
     steps, exact = halved.run.stability(every.ravel()).reshape(every.shape), np.exp(every)
     largest = np.zeros(len(eigenvalues))
-    for begun, released, until in zip(
-        trials.starts, trials.released, [*trials.starts[1:], np.inf], strict=True
-    ):
-        there, here = released.astype(complex), released.astype(complex)
-        for j in np.flatnonzero((times > begun) & (times - lengths < until)):
-            for n in np.unique(np.geomspace(1.0, max(stands_for[j], 1.0), 6).round()):
-                largest = np.maximum(largest, np.abs(there * exact[j] ** n - here * steps[j] ** n))
-            there, here = there * exact[j] ** stands_for[j], here * steps[j] ** stands_for[j]
+    there, here = np.zeros((2, len(eigenvalues)), dtype=complex)
+    begun = deque(zip(trials.starts, trials.released, strict=True))
+    for j, end in enumerate(times):
+        while begun and begun[0][0] < end:
+            moved, moving = begun.popleft()[1]
+            there, here = there + (moved - 1j * moving), here + (moved - 1j * moving)
+        for n in np.unique(np.geomspace(1.0, max(stands_for[j], 1.0), 6).round()):
+            largest = np.maximum(largest, np.abs(there * exact[j] ** n - here * steps[j] ** n))
+        there, here = there * exact[j] ** stands_for[j], here * steps[j] ** stands_for[j]
     return largest
 
 

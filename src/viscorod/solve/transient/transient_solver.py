@@ -356,9 +356,10 @@ class Transient:
         of the elastic energy as work of the actuator.
         """
         kinetic, elastic = self.integrator.kinetic, self.integrator.elastic
-        self.integrator.start(t, self.integrator.state.copy())  # records keep that before the jump
+        unbalanced, state = self.integrator.unbalanced().copy(), self.integrator.state.copy()
+        self.integrator.start(t, state.copy())  # records keep that before the jump
         if self.halved is not None:
-            self.halved.release(self.integrator)
+            self.halved.release(self.integrator, unbalanced, state.twist)
         self.account.external += self.integrator.kinetic - kinetic
         self.account.kinetic = self.integrator.kinetic
         if self.problem.rest_strains:
