@@ -50,6 +50,15 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "size [m]")
 
 
+def drawn(axis, label, shown):
+    """Draw the picture of an axis with prefixes, twice, and see its label, and these among the numbers beside it."""
+    for _ in range(2):  # a second time changes nothing
+        with_prefixes(axis.figure)
+    axis.figure.draw_without_rendering()
+    assert axis.get_label_text() == label
+    assert shown <= {text.get_text() for text in axis.get_ticklabels()}
+
+
 @pytest.mark.parametrize(
     ("band", "label", "shown"),
     [
@@ -59,16 +68,11 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     ],
 )
 def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
-    picture = figure(9.0, 4.0)
-    axes = picture.add_subplot()
+    axes = figure(9.0, 4.0).add_subplot()
     axes.loglog(band, [1.0, 2.0])
     clean(axes, "frequency [Hz]", "size")
     axes.set_xlim(*band)
-    for _ in range(2):  # a second time changes nothing
-        with_prefixes(picture)
-    picture.draw_without_rendering()
-    assert axes.get_xlabel() == label
-    assert shown <= {text.get_text() for text in axes.get_xticklabels()}
+    drawn(axes.xaxis, label, shown)
 
 
 @pytest.mark.parametrize(
@@ -82,16 +86,11 @@ def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
     ],
 )
 def test_logarithmic_axes_of_few_decades_have_plain_numbers(values, words, label, shown):
-    picture = figure(9.0, 6.0)
-    axes = picture.add_subplot()
+    axes = figure(9.0, 6.0).add_subplot()
     axes.semilogy([0.0, 1.0], values)
     clean(axes, "time [s]", words)
     axes.set_ylim(*values)
-    for _ in range(2):  # a second time changes nothing
-        with_prefixes(picture)
-    picture.draw_without_rendering()
-    assert axes.get_ylabel() == label
-    assert shown <= {text.get_text() for text in axes.get_yticklabels()}
+    drawn(axes.yaxis, label, shown)
 
 
 @pytest.mark.parametrize(
