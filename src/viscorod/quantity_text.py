@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-__all__ = ["ROUND_OFF", "number", "prefixed", "quantity", "scaled"]
+__all__ = ["ROUND_OFF", "number", "per_cent", "prefixed", "quantity", "scaled"]
 
 _POWERS = {24: "Y", 21: "Z", 18: "E", 15: "P", 12: "T", 9: "G", 6: "M", 3: "k", 0: ""}
 _POWERS |= {-3: "m", -6: "µ", -9: "n", -12: "p", -15: "f", -18: "a", -21: "z", -24: "y"}
@@ -66,3 +66,8 @@ def number(value: float, digits: int = 6, *, size: float = 0.0) -> str:
     """Return a number with significant digits; round-off against ``size`` reads 0, and there is no minus zero."""
     text = f"{0.0 if abs(value) < ROUND_OFF * size else value + 0.0:.{digits}g}"
     return f"{float(text):g}" if "e" in text and 1.0 <= abs(value) < _PLAIN[1] else text  # 30, not 3e+01
+
+
+def per_cent(value: float, digits: int = 2) -> str:
+    """Return a number of per cent, "330 %"."""
+    return f"{number(value, digits)} %"

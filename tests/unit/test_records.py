@@ -261,6 +261,11 @@ def test_records_of_tables(tmp_path, run):
     assert found.nuisances["beam.end.gain"].deviation == 0.02
     with pytest.raises(vr.InputError, match="plaec: there is no argument of this name; did you mean place"):
         record_of({**table, "plaec": "beam"}, tmp_path)
+    for missing in ("value", "quantity", "place"):
+        with pytest.raises(
+            vr.InputError, match=f"{missing}: .*needs this key, which is missing; add {missing}"
+        ):
+            record_of({key: one for key, one in table.items() if key != missing}, tmp_path)
     (tmp_path / "modes.csv").write_text("f [Hz],zeta [%]\n3,1\n9,2\n")
     modes = record_of(
         {"kind": "modes", "file": "modes.csv", "frequency": "f", "damping_ratio": "zeta"}, tmp_path

@@ -1,6 +1,7 @@
 """Pictures of models of micrometres with many parts: prefixes on axes, names beside their rods, bodies, legends."""
 
 import re
+from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -50,6 +51,15 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [s]", "size [m]")
 
 
+def drawn(axis, label, shown):
+    """Draw the picture of an axis with prefixes, twice, and see its label, and these among the numbers beside it."""
+    for _ in range(2):  # a second time changes nothing
+        with_prefixes(axis.figure)
+    axis.figure.draw_without_rendering()
+    assert axis.get_label_text() == label
+    assert shown <= {text.get_text() for text in axis.get_ticklabels()}
+
+
 @pytest.mark.parametrize(
     ("band", "label", "shown"),
     [
@@ -59,16 +69,11 @@ def test_logarithmic_axes_and_units_that_fit_stay():
     ],
 )
 def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
-    picture = figure(9.0, 4.0)
-    axes = picture.add_subplot()
+    axes = figure(9.0, 4.0).add_subplot()
     axes.loglog(band, [1.0, 2.0])
     clean(axes, "frequency [Hz]", "size")
     axes.set_xlim(*band)
-    for _ in range(2):  # a second time changes nothing
-        with_prefixes(picture)
-    picture.draw_without_rendering()
-    assert axes.get_xlabel() == label
-    assert shown <= {text.get_text() for text in axes.get_xticklabels()}
+    drawn(axes.xaxis, label, shown)
 
 
 @pytest.mark.parametrize(
@@ -82,16 +87,11 @@ def test_logarithmic_axes_of_frequencies_are_read_at_once(band, label, shown):
     ],
 )
 def test_logarithmic_axes_of_few_decades_have_plain_numbers(values, words, label, shown):
-    picture = figure(9.0, 6.0)
-    axes = picture.add_subplot()
+    axes = figure(9.0, 6.0).add_subplot()
     axes.semilogy([0.0, 1.0], values)
     clean(axes, "time [s]", words)
     axes.set_ylim(*values)
-    for _ in range(2):  # a second time changes nothing
-        with_prefixes(picture)
-    picture.draw_without_rendering()
-    assert axes.get_ylabel() == label
-    assert shown <= {text.get_text() for text in axes.get_yticklabels()}
+    drawn(axes.yaxis, label, shown)
 
 
 @pytest.mark.parametrize(
@@ -501,3 +501,35 @@ def test_a_mode_that_twists_is_drawn_by_edges_and_not_by_rounding():
     bent = Swing.of(modes.positions, modes.shapes[0].real, swing.still, modes.rotations[0].real, 3e-5)
     assert bent.edge == 0.0
     assert np.abs(bent.moved).max() == pytest.approx(3e-5)
+
+
+def test_states_of_a_coil_that_is_pulled_stand_side_by_side():
+    """On top of each other, turns of many states are one area of ink."""
+    model = vr.Model()
+    wire = vr.Material(1e8, 0.3, 1000.0)
+    model.add("spring", vr.Rod.helix(0.02, 0.01, 4, section=vr.Circle(0.001), material=wire, elements=8))
+    model.clamp("spring.start")
+    model.force("spring.end", (0.0, 0.0, -0.01))
+    axes = model.equilibrium(load_factors=[0.2, 0.4, 0.6, 0.8, 1.0]).plot().axes[0]
+    assert axes.get_title(loc="left").endswith("side by side")
+    shown = [line for line in axes.lines if len(line.get_xdata()) > 20 and line.get_zorder() > 1]
+    assert len(shown) == 5  # the reference shape, three on the way, and the equilibrium
+    spans = [(np.nanmin(line.get_xdata()), np.nanmax(line.get_xdata())) for line in shown]
+    assert all(before[1] < after[0] for before, after in pairwise(spans))
+
+
+def test_images_of_many_rods_are_those_where_the_component_is_largest():
+    """Six rods, each loaded more than the one before: the last four are shown, and it is said that there are six."""
+    model = vr.Model()
+    rubber = vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    for k in range(6):
+        rod = vr.Rod.straight(
+            (0, 0.1 * k, 0), (0.2, 0.1 * k, 0), section=vr.Circle(0.005), material=rubber, elements=1
+        )
+        model.add(f"rod_{k}", rod)
+        model.clamp(f"rod_{k}.start")
+        model.force(f"rod_{k}.end", (0, 0, 1e-4 * (1 + k)), until=0.0)
+    picture = model.simulate(0.05).plot_space_time(component="bend_1")
+    names = [axes.get_title(loc="left") for axes in picture.axes if axes.get_title(loc="left")]
+    assert [name.split(" along ")[1].split(":")[0] for name in names] == [f"rod_{k}" for k in range(2, 6)]
+    assert names[0].endswith(": 4 of 6 rods, where it is largest")

@@ -3,8 +3,9 @@
 import numpy as np
 import pytest
 
-from viscorod.results.text_numbers import above_rounding, even, number, percent, quantity, scaled
+from viscorod.results.text_numbers import above_rounding, even, number, per_cent, percent, quantity, scaled
 from viscorod.results.text_table import WIDTH, listed, numbers, page, table, tabulated, words
+from viscorod.shown import span
 
 
 @pytest.mark.parametrize(
@@ -99,3 +100,22 @@ def test_names_longer_than_half_of_the_width_stand_above_their_numbers():
 def test_what_rounding_leaves_of_a_damping_ratio_is_none():
     """Eigenvalues of an undamped blade that turns told 2.7e-10; the least damped resonators of quartz have 1e-8."""
     assert above_rounding(np.array([2.7e-10, -4.3e-11, 1e-8, -0.02])).tolist() == [0.0, 0.0, 1e-8, -0.02]
+
+
+@pytest.mark.parametrize(
+    ("value", "text"), [(330.0, "330 %"), (2.94, "2.9 %"), (1e-3, "0.001 %"), (0.0, "0 %")]
+)
+def test_per_cent_beyond_a_hundred_have_no_exponent(value, text):
+    assert per_cent(value) == text
+
+
+@pytest.mark.parametrize(
+    ("ends", "text"),
+    [
+        ((27518.0, 172430.0, "Hz"), "27.52 to 172.4 kHz"),
+        ((0.0, 2e-5, "s"), "0 to 20 µs"),
+        ((1.0, 1.0, ""), "1"),
+    ],
+)
+def test_a_range_has_one_prefix(ends, text):
+    assert span(*ends) == text

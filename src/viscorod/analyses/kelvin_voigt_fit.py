@@ -19,6 +19,7 @@ from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.material import Material
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
+from viscorod.results.text_numbers import per_cent
 from viscorod.shown import Shown, span
 from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
@@ -116,7 +117,7 @@ class KelvinVoigtFit(WellNamed, Shown):
         return (
             f"Kelvin-Voigt in {self.strain}: modulus {self.modulus:.4g} Pa, retardation time {self.time:.4g} s "
             f"({self.method.replace('_', ' ')} fit). From {low:.4g} to {high:.4g} Hz the storage modulus is wrong by "
-            f"{storage:.2g} % at most, the loss modulus by {loss:.2g} %."
+            f"{per_cent(storage)} at most, the loss modulus by {per_cent(loss)}."
         )
 
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:

@@ -7,6 +7,7 @@ from scipy.stats import chi2
 
 from viscorod.records.damped_sines import SineFit
 from viscorod.records.motion_record import Record
+from viscorod.results.text_numbers import per_cent
 from viscorod.typing import Floats
 
 __all__ = ["clipped_samples", "doubts", "half_power_width", "lasts"]
@@ -68,8 +69,8 @@ def doubts(
     way, size = float(np.ptp(fit.rest)), float(np.abs(fit.amplitudes[order[0]]))
     if way > CREEP * size:
         found.append(
-            f"the rest moves by {way:.3g}{unit} meanwhile, {100.0 * way / size:.2g} % of the first amplitude; it is "
-            "fitted along"
+            f"the rest moves by {way:.3g}{unit} meanwhile, {per_cent(100.0 * way / size)} of the first amplitude; it "
+            "is fitted along"
         )
     for k in range(1, len(frequency)):
         gap = abs(frequency[k] - first)

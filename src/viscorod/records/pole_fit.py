@@ -22,6 +22,7 @@ from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
 from viscorod.records.response_record import ResponseRecord
 from viscorod.results.modal_fit_result import ModalFit
 from viscorod.results.resonances import resonances_of
+from viscorod.results.text_numbers import per_cent
 from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
 from viscorod.typing import Floats
 
@@ -201,7 +202,7 @@ def _result(
         worst = max(one.misfit for one in found)
         if worst > 0.1:
             doubts.append(
-                f"about {frequency:.5g} Hz one mode leaves {100.0 * worst:.2g} % of the peak over: there are others"
+                f"about {frequency:.5g} Hz one mode leaves {per_cent(100.0 * worst)} of the peak over: there are others"
             )
     narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * step]
     if narrow:

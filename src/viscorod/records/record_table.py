@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
@@ -56,9 +57,16 @@ def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
             ]
         return _MAKERS[kind](given)
     except TypeError as error:
-        raise InputError(
-            Fault(f"record of kind {kind}", "", str(error).split("() ")[-1], "check its keys")
-        ) from None
+        raise InputError(_missing(kind, str(error))) from None
+
+
+def _missing(kind: str, said: str) -> list[Fault]:
+    """Return which keys a record lacks, from what Python says of a call without them."""
+    lacking = re.findall(r"'(\w+)'", said) if "missing" in said else []
+    return [
+        Fault(key, "", f"a record of kind {kind} needs this key, which is missing", f"add {key}")
+        for key in lacking
+    ] or [Fault(f"record of kind {kind}", "", said.rsplit("() ", maxsplit=1)[-1], "check its keys")]
 
 
 def _motion(given: dict[str, Any]) -> AnyRecord:

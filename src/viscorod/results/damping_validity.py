@@ -25,7 +25,7 @@ import numpy as np
 
 from viscorod.errors import InputError
 from viscorod.results.array_pieces import blocks
-from viscorod.results.text_numbers import quantity
+from viscorod.results.text_numbers import per_cent, quantity
 from viscorod.results.text_table import page
 from viscorod.typing import Floats
 
@@ -79,7 +79,7 @@ class StrainValidity:
         measure = (
             f"angular frequency times retardation time is {self.product:.2g} there"
             if math.isnan(self.bound)
-            else f"the stress is wrong by {100.0 * self.bound:.2g} % of its largest value at most"
+            else f"the stress is wrong by {per_cent(100.0 * self.bound)} of its largest value at most"
         )
         verdict = "right" if self.valid else "not to be trusted"
         return (

@@ -14,7 +14,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
-from viscorod.results.text_numbers import number, quantity
+from viscorod.results.text_numbers import number, per_cent, quantity
 from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
@@ -169,7 +169,7 @@ class FrequencyResponse(StatelessResult):
         heading += f"about {self.data.attrs.get('about', 'a state')}"
         if "line_error" in self.data.attrs:
             heading += (
-                f"\nLines between them follow every response to {100.0 * self.data.attrs['line_error']:.2g} % "
+                f"\nLines between them follow every response to {per_cent(100.0 * self.data.attrs['line_error'])} "
                 "(estimated)"
             )
         if "modal_error" in self.data.attrs:

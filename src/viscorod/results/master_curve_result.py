@@ -13,6 +13,7 @@ import numpy as np
 from viscorod.checks import checked, checked_with, number, word
 from viscorod.errors import AccuracyWarning, InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.results.text_numbers import per_cent
 from viscorod.results.text_table import listed, page, table
 from viscorod.shown import counted
 from viscorod.typing import Floats
@@ -243,7 +244,7 @@ class MasterCurve(StatelessResult):
         blocks = [
             f"{self.title + chr(10) if self.title else ''}Master curve at {self.reference:.4g} C of "
             f"{len(self.temperatures)} sweeps, reduced frequencies from {hertz.min():.3g} to {hertz.max():.3g} Hz; "
-            f"about it the storage moduli scatter by {scatter[0]:.2g} %, the loss moduli by {scatter[1]:.2g} %"
+            f"about it the storage moduli scatter by {per_cent(scatter[0])}, the loss moduli by {per_cent(scatter[1])}"
         ]
         header = ["temperature [C]", "log10 a_T", *(["b_T"] if lifted else [])]
         columns = (

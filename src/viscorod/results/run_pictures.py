@@ -145,7 +145,7 @@ class RunPictures(Result):
             path: picture to write; the suffix gives the format (.png, .pdf, .svg). Without it nothing is written.
             quantity: "strain", "section_force" or "dissipation".
             component: "shear_1", "shear_2", "stretch", "bend_1", "bend_2" or "twist"; by default what changes most.
-            rod: by default all, up to four.
+            rod: by default all, or the four where it is largest.
             ax: axes of yours to draw into: the image of one rod.
 
         Returns:

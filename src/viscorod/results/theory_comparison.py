@@ -12,6 +12,7 @@ import numpy as np
 
 from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
+from viscorod.results.text_numbers import per_cent
 from viscorod.results.text_table import listed, numbers, page, table, words
 from viscorod.shown import Shown
 from viscorod.small_drawing import Drawing
@@ -89,7 +90,7 @@ class TheoryComparison(WellNamed, Shown, Alike):
     def _facts(self) -> Iterator[str]:
         yield self.sentence.partition(":")[0]
         for word in self.theories:
-            yield f"{word.replace('_', ' ')} errs by {100.0 * self.displacement_error(word):.2g} %"
+            yield f"{word.replace('_', ' ')} errs by {per_cent(100.0 * self.displacement_error(word))}"
 
     def _drawing(self) -> str:
         across = self.exact.displacement[..., 1]
@@ -146,9 +147,11 @@ class TheoryComparison(WellNamed, Shown, Alike):
         )
         what = "this motion" if self.time.size > 1 else "this load"
         if self.enough == self.exact.word:
-            verdict = f"only the exact theory is within {100.0 * self.within:.3g} %"
+            verdict = f"only the exact theory is within {per_cent(100.0 * self.within, 3)}"
         else:
-            verdict = f"{self.theories[self.enough].title} is enough (within {100.0 * self.within:.3g} %)"
+            verdict = (
+                f"{self.theories[self.enough].title} is enough (within {per_cent(100.0 * self.within, 3)})"
+            )
         return f"For {what} {verdict}: {errors}."
 
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:

@@ -6,6 +6,7 @@ from collections.abc import Mapping, Sequence
 
 import numpy as np
 
+from viscorod.results.text_numbers import per_cent
 from viscorod.typing import Floats
 
 __all__ = ["EXCLUDED", "law_sentences"]
@@ -90,7 +91,7 @@ def _outside(
         if not others or pure not in merit:
             continue
         what = " and ".join(OUTSIDE[part] for part in others)
-        share = f", {100.0 * lost_outside[name]:.2g} % of the lost energy" if name in lost_outside else ""
+        share = f", {per_cent(100.0 * lost_outside[name])} of the lost energy" if name in lost_outside else ""
         if merit[pure] - merit[name] > EXCLUDED and others == ["clamp_loss"] and name in undamped:
             text = f"The clamp gives way: {pure} alone is excluded. Whether the clamp damps these data do not tell."
         elif merit[pure] - merit[name] > EXCLUDED:

@@ -40,6 +40,7 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
 )
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
 from viscorod.model.materials.sweeps import DmaTable, perhaps_percent, tidied
+from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 
 __all__ = ["ComplexModuli", "ModulusTable"]
@@ -313,7 +314,7 @@ class ComplexModuli(ModulusTable, Damping):
         rows = "" if len(omega) == 1 else f" to {omega[-1] / (2.0 * math.pi):.4g}"
         known = [
             f"{name} in {strain}, fitted from {omega[0] / (2.0 * math.pi):.4g}{rows} Hz: there the storage modulus is "
-            f"wrong by {storage:.2g} % at most and the loss modulus by {loss:.2g} %"
+            f"wrong by {per_cent(storage)} at most and the loss modulus by {per_cent(loss)}"
         ]
         if isinstance(fit, Viscous) and max(storage, loss) > FAR:
             known[0] += '; law = "maxwell" follows the table'

@@ -25,6 +25,8 @@ from viscorod.model.materials.damping_model import (
 from viscorod.model.materials.loss_factor_fit import LossFit, fit_loss_factors
 from viscorod.model.materials.nearest_kelvin_voigt import band_of
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
+from viscorod.quantity_text import per_cent
+from viscorod.quantity_text import quantity as with_unit
 from viscorod.typing import Floats
 
 __all__ = ["WITHIN", "LossFactor"]
@@ -231,7 +233,8 @@ class LossFactor(Damping):
     def _times(self, elastic: Elastic) -> Behaviour:
         assert isinstance(self.frequency, float)
         omega = 2.0 * math.pi * self.frequency
-        known = f"the loss factor is that given at {self.frequency:.6g} Hz only; it grows in proportion to frequency"
+        at = with_unit(self.frequency, "Hz")
+        known = f"the loss factor is that given at {at} only; it grows in proportion to frequency"
         extension, shear, bulk = (
             None if value is None else float(np.asarray(value))
             for value in (self.extension, self.shear, self.bulk)
@@ -311,7 +314,7 @@ class LossFactor(Damping):
         missed = (
             ""
             if fit.error <= wanted
-            else f" ({100.0 * wanted:.3g} % were wanted; this is the closest that Maxwell branches come)"
+            else f" ({per_cent(100.0 * wanted, 3)} were wanted; this is the closest that Maxwell branches come)"
         )
         below, start, end, above = (
             extension.complex_modulus(2.0 * math.pi * f) for f in (0.1 * low, low, high, 10.0 * high)
@@ -319,11 +322,11 @@ class LossFactor(Damping):
         where = "at rest" if middle == 0.0 else f"at {middle:.4g} Hz"
         return [
             f"{max(len(modulus.times) for modulus in fit.moduli)} Maxwell branches follow the loss factor from "
-            f"{low:.4g} to {high:.4g} Hz: it is wrong by {100.0 * fit.error:.2g} % of itself at most there{missed}",
+            f"{low:.4g} to {high:.4g} Hz: it is wrong by {per_cent(100.0 * fit.error)} of itself at most there{missed}",
             f"beyond the band the loss factor falls off: in extension it is {_factor(below):.3g} at {0.1 * low:.4g} Hz "
             f"and {_factor(above):.3g} at {10.0 * high:.4g} Hz",
             f"the elastic constants are the storage moduli {where}: Young's modulus is {extension.equilibrium:.5g} Pa "
-            f"at rest and rises by {100.0 * (float(end.real / start.real) - 1.0):.2g} % over the band",
+            f"at rest and rises by {per_cent(100.0 * (float(end.real / start.real) - 1.0))} over the band",
         ]
 
 

@@ -19,6 +19,7 @@ from viscorod.model.fields.values import frequency_band, numbers, one_of
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, maxwell_branches
 from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
+from viscorod.quantity_text import per_cent
 
 __all__ = ["Prony"]
 
@@ -209,8 +210,9 @@ class Prony(Damping):
             wrong = [100.0 * float(np.abs(e).max()) for e in errors(exact, viscous.complex_modulus(omega))]
             assumptions.append(
                 f"moduli and viscosities are those nearest to the Prony series from {self.band[0]:.4g} to "
-                f"{self.band[1]:.4g} Hz: there Young's storage modulus is wrong by {wrong[0]:.2g} % at most and its "
-                f"loss modulus by {wrong[1]:.2g} %; at rest Young's modulus would be {rest.youngs_modulus:.4g} Pa"
+                f"{self.band[1]:.4g} Hz: there Young's storage modulus is wrong by {per_cent(wrong[0])} at most and "
+                f"its loss modulus by {per_cent(wrong[1])}; at rest Young's modulus would be "
+                f"{rest.youngs_modulus:.4g} Pa"
             )
         return replace(found, extension=extension, shear=shear, assumptions=tuple(assumptions))
 

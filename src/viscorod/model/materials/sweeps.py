@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
+from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 
 __all__ = ["DmaTable", "Points", "every_sweep", "one_sweep", "perhaps_percent", "side_by_side", "tidied"]
@@ -197,7 +198,7 @@ def _averaged(
     notes.append(
         f"{_counted(int(repeated.sum()), 'frequency')} stand{'s' if repeated.sum() == 1 else ''} more than once "
         f"({_listed('', hertz[repeated])} Hz): the moduli there are averaged; the storage moduli differ by up to "
-        f"{100.0 * (most[worst] / least[worst] - 1.0):.2g} %"
+        f"{per_cent(100.0 * (most[worst] / least[worst] - 1.0))}"
     )
     means = [np.bincount(member, weights=values) / count for values in (omega, storage, loss)]
     return means[0], means[1], means[2]

@@ -25,6 +25,7 @@ from viscorod.model.fields.metadata import optional
 from viscorod.model.fields.values import one_of, positive
 from viscorod.model.sections.polygons import Polygon, placed
 from viscorod.model.sections.saint_venant import SectionAnalysis
+from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 
 __all__ = [
@@ -170,7 +171,7 @@ def meshed_remark(analysis: SectionAnalysis) -> str:
     error = (
         ""
         if math.isnan(analysis.error)
-        else f"; halving the triangles changed the stiffnesses by {100.0 * analysis.error:.2g} %"
+        else f"; halving the triangles changed the stiffnesses by {per_cent(100.0 * analysis.error)}"
     )
     return (
         f"torsion and shear of its section come from {analysis.triangles} triangles of at most "

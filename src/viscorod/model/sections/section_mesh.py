@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.sections.polygons import Polygon, library
+from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats, Integers
 
 __all__ = ["SectionMesh", "first_size", "refuse_misfits", "triangulate"]
@@ -59,7 +60,7 @@ def refuse_misfits(polygons: tuple[Polygon, ...]) -> None:
             if common > 1e-9 * min(shape.area, shapes[other].area):
                 share = common / shape.area
                 raise RefusedError(
-                    f"the region overlaps region {other + 1} with {100.0 * share:.3g} % of its area",
+                    f"the region overlaps region {other + 1} with {per_cent(100.0 * share, 3)} of its area",
                     "give every place to one region: give the outer one a hole, or move one of them",
                     found="",
                     at=(index,),

@@ -12,6 +12,9 @@ from viscorod.pictures.plots.projection_view import Curves, View, draw_reference
 from viscorod.pictures.style import BLUE, SKY, figure, headline, legend_over
 from viscorod.results.reports.report_parts import load_level
 
+_ON_THE_WAY = 3
+"""States before the last that are drawn of what is coiled."""
+
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -40,24 +43,30 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady, columns: int = 2)
     assembly = Assembly(equilibrium)
     ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
     view = View.of(np.concatenate([*positions, reference, ends]), enlarged=assembly.empty)
-    turning = equilibrium.kind == "steady"
-    view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}")
     curves = Curves(equilibrium)
-    draw_reference(axes, view, curves, equilibrium)
-    label = "on the way"
+    coiled = curves.coiled(reference)
+    turning = equilibrium.kind == "steady"
+    beside = ", side by side" if coiled else ""
+    view.prepare(axes, f"{'Steady rotation' if turning else 'Static equilibrium'} {view.name}{beside}")
     level = equilibrium.data[equilibrium.dimension].values
-    for factor, position in zip(level[:-1], positions[:-1], strict=True):
-        if factor != 0.0:
-            curves.draw(axes, view, position, color=SKY, linewidth=1.0, label=label)
-            label = "_"
+    passed = np.flatnonzero(level[:-1])
+    if coiled:  # states that would hide each other
+        passed = passed[np.unique(np.linspace(0, passed.size - 1, min(passed.size, _ON_THE_WAY)).astype(int))]
+    shapes = [reference, *positions[passed], positions[-1]]
+    shifts = view.strip(np.array(shapes)) if coiled else np.zeros((len(shapes), 3))
+    draw_reference(axes, view, curves, equilibrium)
+    for place, (shape, shift) in enumerate(zip(shapes[1:-1], shifts[1:-1], strict=True)):
+        label = "_" if place else "on the way"
+        curves.draw(axes, view, shape + shift, color=SKY, linewidth=1.0, label=label)
     reached = level[-1]
     name = "equilibrium" if reached == 1.0 else f"at {load_level(reached, 3)}"
     if turning:
         name = f"at {reached:.3g} rad/s"
-    curves.draw(axes, view, positions[-1], color=BLUE, linewidth=2.4, label=name)
+    last = shifts[-1]
+    curves.draw(axes, view, positions[-1] + last, color=BLUE, linewidth=2.4, label=name)
     if not assembly.empty:
-        assembly.draw(axes, view, positions[-1], rotations[-1], BLUE)
-        assembly.draw_springs(axes, view, positions[-1], rotations[-1], BLUE)
-    mark_supports(axes, view, equilibrium, positions[-1])
-    view.finish(axes)
+        assembly.draw(axes, view.shifted(last), positions[-1], rotations[-1], BLUE)
+        assembly.draw_springs(axes, view.shifted(last), positions[-1], rotations[-1], BLUE)
+    mark_supports(axes, view, equilibrium, positions[-1] + last)
+    view.finish(axes, headroom=0.3 if coiled else 0.0)
     legend_over(axes, columns)

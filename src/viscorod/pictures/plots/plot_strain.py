@@ -56,7 +56,7 @@ def draw_strain(
         ax: axes for the profiles along the rod alone.
     """
     shown = chosen_component(result, "strain", component)
-    rod = rod or _busiest(result, shown)
+    rod = rod or _busiest(result, shown, 1)[0]
     if ax is not None:
         _profiles(ax, result, shown, rod)
         return within(ax)
@@ -102,7 +102,7 @@ def draw_space_time(
         result: the run.
         quantity: "strain", "section_force" or "dissipation".
         component: by default the one that changes most.
-        rod: by default all, up to four.
+        rod: by default all, or the four where it is largest.
         ax: axes for the image of one rod, by default of the one where it changes most.
 
     Raises:
@@ -111,9 +111,7 @@ def draw_space_time(
     shown = chosen_component(result, quantity, component)
     if result.time.size < 2:
         raise InputError("this run holds one state only; an image over time needs two or more")
-    if ax is not None:
-        rod = rod or _busiest(result, shown)
-    rods = [rod] if rod is not None else list(result.sites.rods[:_MOST_RODS])
+    rods = [rod] if rod is not None else _busiest(result, shown, 1 if ax is not None else _MOST_RODS)
     for name in rods:
         _require_rod(result, name)
     times = np.linspace(result.time[0], result.time[-1], _TIMES)
@@ -146,7 +144,9 @@ def draw_space_time(
             shading="gouraud",
             rasterized=True,
         )
-        heading(axes, f"{shown.name.capitalize()} along {name}")
+        left_out = axes is panels[0] and 1 < len(rods) < len(result.sites.rods)
+        which = f": {len(rods)} of {len(result.sites.rods)} rods, where it is largest" if left_out else ""
+        heading(axes, f"{shown.name.capitalize()} along {name}{which}")
         colour_bar(picture, axes, mesh, f"{shown.short} [{unit}]")
     return picture
 
@@ -215,11 +215,14 @@ def _levels(result: Result, level: Floats) -> tuple[float, str]:
     return clock, f"time [{second}]"
 
 
-def _busiest(result: Result, shown: Component) -> str:
-    """Return the rod in which a component is largest."""
+def _busiest(result: Result, shown: Component, count: int) -> list[str]:
+    """Return so many rods in which a component is largest, in the order of the model."""
     low, high = extremes(result, shown.quantity)
     size = np.maximum(np.abs(shown.of(low)), np.abs(shown.of(high)))
-    return str(result.data["point_rod"].values[int(np.argmax(size))])
+    of_rod = result.data["point_rod"].values
+    largest = {rod: float(size[of_rod == rod].max(initial=0.0)) for rod in result.sites.rods}
+    chosen = sorted(largest, key=largest.__getitem__, reverse=True)[:count]
+    return [rod for rod in result.sites.rods if rod in chosen]
 
 
 def _require_rod(result: Result, rod: str) -> None:

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from viscorod.results.result import Result
 
 _FLAT = 1e-3  # a motion whose extent across a plane is below this part of the largest is drawn in that plane
-_SLIGHT = 0.03  # a motion in a plane that is flatter is drawn larger across
+_SLIGHT = 0.06  # a motion in a plane that is flatter is drawn larger across
 _STRAIGHT = 1e-9  # and one that is flatter than this does not leave its line
 _FINE, _MOST = (
     12,

@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.results.reports.effort import counted, effort
 from viscorod.results.reports.report_parts import drift, ends, heading, places, stress, validity, warnings
-from viscorod.results.text_numbers import percent, quantity
+from viscorod.results.text_numbers import per_cent, percent, quantity
 from viscorod.results.text_table import page
 
 if TYPE_CHECKING:
@@ -48,7 +48,11 @@ def _summary(run: Run) -> str:
     text += f" in {counted(int(attrs['steps']), 'steps')}" if "steps" in attrs else ""
     text += f" of {quantity(float(attrs['time_step']), 's')}" if "time_step" in attrs else ""
     text += f" that follow the error, tolerance {attrs['tolerance']:.3g}" if "tolerance" in attrs else ""
-    text += f" ({100.0 * attrs['part_of_motion']:.3g} % of the motion)" if "part_of_motion" in attrs else ""
+    text += (
+        f" ({per_cent(100.0 * attrs['part_of_motion'], 3)} of the motion)"
+        if "part_of_motion" in attrs
+        else ""
+    )
     text += f", {str(attrs['integrator']).replace('_', '-')}" if attrs.get("integrator") else ""
     if attrs.get("formulation", "geometric") == "geometric":
         return text
