@@ -679,6 +679,12 @@ def test_what_is_known_of_numbers_goes_into_an_ensemble():
     assert known[YOUNG].std() == pytest.approx(fit[YOUNG].standard_error, rel=0.01)
     with pytest.raises(InputError, match="no draws were made"):
         _ = fit.posterior
+    assert list(fit.distributions(names=[BOTH])) == [SHEAR, BULK]
+    np.testing.assert_array_equal(
+        fit.correlation_of_distributions(names=[BOTH]), correlation[np.ix_([1, 2], [1, 2])]
+    )
+    with pytest.raises(InputError, match=r"names: 'damping': there is no such unknown"):
+        fit.distributions(names=["damping"])
     found = vr.ensemble(
         fit.case, known, 8, quantities={"hertz": ("frequency", 1)}, correlation=correlation, workers=1
     )
@@ -748,6 +754,10 @@ def test_a_clamp_that_is_much_stiffer_than_the_strip_is_not_told(tmp_path):
     assert fit[CLAMP].high == np.inf
     assert any(CLAMP in text for text in fit.sentences)
     assert fit[ALUMINIUM].told
+    with pytest.raises(InputError, match="leave it out, names=") as refused:
+        fit.distributions()
+    assert repr([ALUMINIUM]) in str(refused.value)
+    assert list(fit.distributions(names=[ALUMINIUM])) == [ALUMINIUM]
 
 
 def test_draws_go_into_an_ensemble_as_they_are():

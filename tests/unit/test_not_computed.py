@@ -91,14 +91,17 @@ def test_a_result_tells_of_the_model_as_it_was():
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=rubber))
     model.clamp("bar.start")
     model.force("bar.end", (0, 1e-3, 0))
-    found = model.equilibrium()
+    found = [model.equilibrium(), model.simulate(0.01), model.modes(2)]
+    coupled = model.co_simulation(["bar.end"])
     model.remove("bar")
     stiff = rubber.replaced(youngs_modulus=2e6)
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=stiff))
     model.loads.clear()
-    case = json.loads(found.data.attrs["case"])
-    assert case["rods"]["bar"]["material"]["youngs_modulus"] == 1e6
-    assert len(case["loads"]) == 1
+    coupled.step(0.01)
+    for one in (*found, coupled.run()):
+        case = json.loads(one.data.attrs["case"])
+        assert case["rods"]["bar"]["material"]["youngs_modulus"] == 1e6
+        assert len(case["loads"]) == 1
 
 
 def test_attributes_are_made_by_name():
@@ -117,6 +120,12 @@ def test_attributes_are_made_by_name():
     assert joined["a"] == 3  # the right one counts, though it is made later
     assert made == ["second"]
     assert dict(joined) == {"z": 0, "a": 3, "b": 2, "c": 1, "d": 1}
+    both = LateAttributes({}, maker("left", a=1, b=1)) | LateAttributes({}, maker("right", b=2, c=2))
+    assert dict(both) == {"a": 1, "b": 2, "c": 2}
+    assert dict(LateAttributes({}, maker("left", a=1)) | LateAttributes({}, maker("right", a=2))) == {"a": 2}
+    anything = LateAttributes({}, lambda: {"a": 1, "b": 1}) | LateAttributes({}, lambda: {"b": 2})
+    assert dict(anything) == {"a": 1, "b": 2}
+    assert dict(LateAttributes({}, lambda: {"a": 1, "b": 1}) | {"a": 2}) == {"a": 2, "b": 1}
     assert found["d"] == 1
     other = found.copy()
     other["d"] = 5

@@ -1,5 +1,6 @@
 """Sweeps and ensembles as strangers ask for them: odd tables, units, discrete and correlated values, what fails."""
 
+import json
 import sys
 
 import numpy as np
@@ -13,6 +14,7 @@ from helpers.strip import content
 from viscorod.analyses.sweeps.points import distribution_text, points_of
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
+from viscorod.errors import InputError
 from viscorod.results.ensemble import Ensemble
 from viscorod.results.ensemble_design import Design
 from viscorod.results.sweep_members import SweepRun
@@ -235,3 +237,55 @@ def test_a_picture_leaves_out_numbers_without_indices():
     have = int((rows[:, :2] <= 0.9).sum())
     labels = {axes.get_xlabel(): axes.get_ylabel() for axes in found.plot().axes}
     assert labels == {"c": "part of the members below", "f": f"part of the {have} members that have it"}
+
+
+def test_heads_have_units_in_tables_of_all_kinds(held):
+    """Of a table, of columns, of rows, of a product and of constants; lists have the unit in each of their numbers."""
+    head = f"{WIDTH} [mm]"
+    frame = pd.DataFrame({head: [10.0, 20.0]})
+    for values in (
+        frame,
+        {head: [10.0, 20.0]},
+        frame.to_dict("records"),
+        [row for _, row in frame.iterrows()],
+    ):
+        assert rows_of(values).columns == {WIDTH: ["10.0 mm", "20.0 mm"]}
+    whole = rows_of(
+        {"loads[0].value [mN]": [[0.0, 0.1, 0.0]]}, grid={head: [10]}, constants={"rods.beam.d1 [1]": 2}
+    )
+    assert whole.columns == {
+        "loads[0].value": [["0.0 mN", "0.1 mN", "0.0 mN"]],
+        WIDTH: ["10 mm"],
+        "rods.beam.d1": ["2 1"],
+    }
+    found = vr.sweep(held, frame, quantities=TIP, workers=1, errors=0).table()
+    assert found[WIDTH].tolist() == [0.01, 0.02]
+    assert found["tip"].is_monotonic_decreasing
+    with pytest.raises(InputError, match=r"two columns have this key"):
+        rows_of({head: [10.0], WIDTH: [0.02]})
+    with pytest.raises(InputError, match=r"10 kg"):
+        vr.sweep(held, {f"{WIDTH} [kg]": [10]}, quantities=TIP, workers=1)
+
+
+def test_a_shipped_case_that_was_not_copied_is_named(tmp_path):
+    for name in ("cantilever_swing", "cantilever_swing.toml"):
+        with pytest.raises(InputError, match="viscorod example cantilever_swing copies it"):
+            vr.sweep(tmp_path / name, {FORCE: [1e-4]})
+
+
+def ishigami(result):
+    """Ishigami and Homma (1990) of the three components of a small force [micronewton], read from the result's case."""
+    x, y, z = 1e6 * np.array(json.loads(result.data.attrs["case"])["loads"][0]["value"])
+    return np.sin(x) + 7.0 * np.sin(y) ** 2 + 0.1 * z**4 * np.sin(x)
+
+
+def test_sobol_indices_of_a_function_of_results_are_those_in_closed_form(held):
+    """Saltelli et al. 2008, section 4.7, with a = 7 and b = 0.1; 640 members are computed for them."""
+    force = {f"loads[0].value[{k}]": scipy.stats.uniform(-np.pi * 1e-6, 2e-6 * np.pi) for k in range(3)}
+    found = vr.ensemble(held, force, 128, quantities={"f": ishigami}, indices=True, workers=1, errors=0)
+    table = found.indices().loc["f"]
+    for name, exact in (("first", (0.3139, 0.4424, 0.0)), ("total", (0.5576, 0.4424, 0.2437))):
+        for key, value in zip(force, exact, strict=True):
+            low, high = table.loc[key, f"{name}_lower"], table.loc[key, f"{name}_upper"]
+            assert low <= value <= high, (name, key)
+            assert high - low < 0.6

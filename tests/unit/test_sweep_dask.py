@@ -1,6 +1,5 @@
 """A sweep on a local Dask cluster; left out where Dask is not installed."""
 
-import json
 import os
 import signal
 
@@ -9,6 +8,7 @@ import pytest
 
 import viscorod as vr
 from helpers.strip import content
+from helpers.sweep_records import records_in
 from viscorod.analyses.sweeps import executors
 from viscorod.analyses.sweeps.executors import opened
 from viscorod.casefile.case import case_from_dict
@@ -38,8 +38,7 @@ def test_a_worker_of_dask_that_is_killed_loses_nothing(tmp_path):
         table = vr.sweep(case, values, progress=kill_once, **given).table()
     assert killed
     assert table["tip"].tolist() == alone["tip"].tolist()
-    lines = "".join(path.read_text() for path in (tmp_path / "sweep" / "members").glob("*.jsonl"))
-    names = [json.loads(line)["name"] for line in lines.splitlines() if line]
+    names = [record["name"] for record in records_in(tmp_path / "sweep")]
     assert set(table["outcome"]) == {"completed"}
     assert len(set(names)) == 8
 

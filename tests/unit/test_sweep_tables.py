@@ -19,6 +19,7 @@ import viscorod.analyses.sweep
 from helpers.plain_text import flat
 from helpers.quantities import ends_its_process_once, scaled_tip, times_tip, tip_at_end
 from helpers.strip import content
+from helpers.sweep_records import records_in
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweeps import member_work
 from viscorod.analyses.sweeps.little_garbage import little_garbage
@@ -433,8 +434,7 @@ def test_a_worker_of_any_executor_that_is_killed_loses_nothing(swing, tmp_path, 
         sweep = vr.sweep(swing, values, executor=pool, **given)
     assert (tmp_path / "ended").exists()
     assert set(sweep.table()["outcome"]) == {"completed"}
-    lines = "".join(path.read_text() for path in (tmp_path / "sweep" / "members").glob("*.jsonl"))
-    names = [json.loads(line)["name"] for line in lines.splitlines() if line]
+    names = [record["name"] for record in records_in(tmp_path / "sweep")]
     assert len(names) == len(set(names)) == 3
     alone = vr.sweep(swing, values, quantities={"tip": TIP}, workers=1)
     assert sweep.table()["tip"].tolist() == alone.table()["tip"].tolist()

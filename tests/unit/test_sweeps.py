@@ -258,8 +258,11 @@ def test_interruption_keeps_what_there_is(case, workers):
             case, {SHEAR: times}, workers=workers, progress=lambda d: d > 0 and next(once, lambda _: None)(d)
         )
     sweep = caught.value.run
-    assert sweep.members[0].outcome == "interrupted"
-    assert sweep.members[0].result.time.size >= 1
+    # of two processes the first may have been given its member and not have begun it
+    begun = [member for member in sweep.members if member.result is not None]
+    assert 1 <= len(begun) <= workers
+    assert {member.outcome for member in begun} == {"interrupted"}
+    assert all(member.result.time.size >= 1 for member in begun)
     assert sweep.members[-1].outcome == "not run"
     assert signal.getsignal(signal.SIGINT) is handler
 

@@ -1,6 +1,5 @@
 """Sweeps that cannot go on, or not with every member: what is finished stays, and one message says what to do."""
 
-import json
 import os
 import resource
 import subprocess
@@ -16,6 +15,7 @@ import viscorod as vr
 from helpers.plain_text import flat
 from helpers.quantities import ends_its_process
 from helpers.strip import content
+from helpers.sweep_records import records_in
 from viscorod.analyses.sweeps import member_work
 from viscorod.analyses.sweeps.executors import opened
 from viscorod.casefile.case import case_from_dict
@@ -41,11 +41,8 @@ def case(tmp_path, monkeypatch):
 
 
 def records(folder):
-    """The records of all members on disk, by their names; the last of each. A line that was cut off has no end."""
-    lines = [
-        line for path in (folder / "members").glob("*.jsonl") for line in path.read_text().splitlines(True)
-    ]
-    return {record["name"]: record for line in lines if line.endswith("}\n") and (record := json.loads(line))}
+    """The records of all members on disk, by their names; the last of each."""
+    return {record["name"]: record for record in records_in(folder)}
 
 
 @pytest.mark.parametrize("how", ["alone", "threads", "other"])

@@ -92,7 +92,8 @@ class CoSimulation:
             settings = settings.model_copy(update={"tolerance": usual})
         discrete = DiscreteModel.of(coupled, settings, options)
         # results describe the model as it was given, without the loads at the ports
-        own = provenance(model, discrete.model, discrete.options.title, discrete.options.attributes)
+        given = ModelDescription.of(**model.parts())  # the model may change before they are read
+        own = provenance(given, discrete.model, discrete.options.title, discrete.options.attributes)
         return cls(replace(discrete, attributes=discrete.attributes | own), settings, wrenches)
 
     @property

@@ -18,7 +18,7 @@ from viscorod.model.sections.section_base import AnySection
 from viscorod.results.late_attributes import LateAttributes, Later
 from viscorod.solve.formulations.system import GaussPositions
 
-__all__ = ["provenance", "section_record"]
+__all__ = ["material_record", "provenance", "section_record"]
 
 CAPACITIES = 65
 """Stations at which the heat capacity of a rod is taken."""

@@ -70,7 +70,7 @@ def sweep(
         values: key -> its values, one per member, such as ``{"rods.beam.elements": [1, 2, 4]}``; several keys vary
             together. Or rows: a list of one mapping key -> value per member, a table of pandas, the path of a CSV file
             with keys in its first line. Keys are those of the case file, with dots and ``[number]`` for the entries of
-            lists: ``"loads[0].value"``.
+            lists, ``"loads[0].value"``, and a unit behind them if their numbers have one: ``"rods.beam.end[0] [mm]"``.
         grid: key -> its values, of which every combination is computed (with every row of ``values``).
         constants: key -> one value for all members.
         quantities: name -> words such as ``("decrement", "beam.end", "y")``, or a function of the result that returns a

@@ -151,7 +151,7 @@ def _content(path: Path) -> str:
         if path.parent.is_dir():
             close = nearest(path.name, sorted(other.name for other in path.parent.glob("*.toml")))
             instead = f"did you mean {path.parent / close}?" if close else instead
-        if path.suffix == ".toml" and path.stem in shipped_cases():
+        if path.suffix in ("", ".toml") and path.stem in shipped_cases():
             instead = f"a shipped case has this name: viscorod example {path.stem} copies it"
         problem = Fault("file", str(path), "there is no such file", instead)
     except IsADirectoryError:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar
 
@@ -175,7 +175,7 @@ class Identification(StatelessResult):
 
         return posterior_tree(self)
 
-    def distributions(self, *, nuisances: bool = False) -> dict[str, Any]:
+    def distributions(self, *, nuisances: bool = False, names: Sequence[str] | None = None) -> dict[str, Any]:
         """Return what is known of the numbers of the model as distributions of SciPy, by key, as `ensemble` takes them.
 
         They are those of the draws where there are any, else normal or lognormal with the standard errors. Their
@@ -183,19 +183,22 @@ class Identification(StatelessResult):
 
         Args:
             nuisances: whether numbers of the case that belong to the measurement are among them.
+            names: of the unknowns that are wanted, as the report has them; by default all.
 
         Raises:
-            InputError: the data do not tell one of them.
+            InputError: the data do not tell one of them, or there is no such unknown.
         """
         from viscorod.results.posterior import distributions_of
 
-        return distributions_of(self, nuisances=nuisances)
+        return distributions_of(self, nuisances=nuisances, names=names)
 
-    def correlation_of_distributions(self, *, nuisances: bool = False) -> Floats:
+    def correlation_of_distributions(
+        self, *, nuisances: bool = False, names: Sequence[str] | None = None
+    ) -> Floats:
         """Return the correlation of the normal numbers behind `distributions`, in their order, for `ensemble`."""
         from viscorod.results.posterior import correlation_of
 
-        return correlation_of(self, nuisances=nuisances)
+        return correlation_of(self, nuisances=nuisances, names=names)
 
     @property
     def residuals(self) -> Floats:

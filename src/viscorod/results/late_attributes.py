@@ -6,7 +6,7 @@ make them takes as long as a tenth of a small equilibrium.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, MutableMapping
+from collections.abc import Callable, Collection, Iterator, Mapping, MutableMapping
 from typing import Any, NamedTuple
 
 __all__ = ["LateAttributes", "Later"]
@@ -17,6 +17,15 @@ class Later(NamedTuple):
 
     names: tuple[str, ...]
     make: Callable[[], Mapping[str, Any]]
+
+    def made(self) -> dict[str, Any]:
+        """Make them."""
+        found = self.make()
+        return {name: value for name, value in found.items() if not self.names or name in self.names}
+
+    def without(self, others: Collection[str]) -> Later:
+        """Return the same without some of its names, of which it has more, or none at all."""
+        return Later(tuple(name for name in self.names if name not in others), self.make)
 
 
 class LateAttributes(MutableMapping[str, Any]):
@@ -57,10 +66,13 @@ class LateAttributes(MutableMapping[str, Any]):
 
     def __or__(self, other: Mapping[str, Any]) -> LateAttributes:
         late = other if isinstance(other, LateAttributes) else LateAttributes(other)
-        # what the right one makes later would not replace what is known on the left
+        # what the right one makes later replaces what the left one knows, or would make
         coming = {name for one in late._later for name in one.names}
-        mine = {name: value for name, value in self._known.items() if name not in coming}
-        return LateAttributes(mine | late._known, *self._later, *late._later)
+        known = {name: value for name, value in self._known.items() if name not in coming} | late._known
+        mine = [
+            one.without(coming) for one in self._later if not one.names or not coming.issuperset(one.names)
+        ]
+        return LateAttributes(known, *mine, *late._later)
 
     def __ror__(self, other: Mapping[str, Any]) -> LateAttributes:
         return LateAttributes(other) | self
@@ -70,7 +82,7 @@ class LateAttributes(MutableMapping[str, Any]):
         return self | {}
 
     def _make(self, wanted: list[Later]) -> None:
-        for one in wanted:
+        for one in reversed(wanted):  # of two that make one name the right one counts
             if one in self._later:
-                self._known = {**one.make(), **self._known}
+                self._known = {**one.made(), **self._known}
                 self._later = [other for other in self._later if other is not one]

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
+from viscorod.wording import show
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -55,7 +57,9 @@ def posterior_tree(fit: Identification) -> xr.DataTree:
     return xr.DataTree.from_dict({f"/{name}": data for name, data in groups.items()})
 
 
-def distributions_of(fit: Identification, *, nuisances: bool) -> dict[str, Any]:
+def distributions_of(
+    fit: Identification, *, nuisances: bool, names: Sequence[str] | None = None
+) -> dict[str, Any]:
     """Return distributions by key; of several keys that are one number, one each.
 
     Raises:
@@ -65,7 +69,8 @@ def distributions_of(fit: Identification, *, nuisances: bool) -> dict[str, Any]:
 
     draws = _draws(fit)
     found: dict[str, Any] = {}
-    for k, keys in _chosen(fit, nuisances):
+    chosen = _chosen(fit, nuisances, names)
+    for k, keys in chosen:
         name = str(fit.data["unknown"].values[k])
         number = fit.numbers[name]
         if not number.told:
@@ -74,7 +79,7 @@ def distributions_of(fit: Identification, *, nuisances: bool) -> dict[str, Any]:
                     name,
                     "",
                     "the data do not tell it: it has no distribution",
-                    "leave it out, or give one yourself",
+                    f"leave it out, names={_told(fit, chosen)}, and give the ensemble one of yours if you know more",
                 )
             )
         if draws.size:
@@ -92,12 +97,12 @@ def distributions_of(fit: Identification, *, nuisances: bool) -> dict[str, Any]:
     return found
 
 
-def correlation_of(fit: Identification, *, nuisances: bool) -> Floats:
+def correlation_of(fit: Identification, *, nuisances: bool, names: Sequence[str] | None = None) -> Floats:
     """Return the correlation of the normal numbers behind the distributions, in their order."""
     from scipy import stats
 
     draws = _draws(fit)
-    chosen = _chosen(fit, nuisances)
+    chosen = _chosen(fit, nuisances, names)
     rows = [k for k, keys in chosen for _ in keys]
     if draws.size:
         flat = draws.reshape(-1, draws.shape[-1])
@@ -117,14 +122,26 @@ def _draws(fit: Identification) -> Floats:
     return np.asarray(fit.data["draw"].values, dtype=float)
 
 
-def _chosen(fit: Identification, nuisances: bool) -> list[tuple[int, list[str]]]:
-    """Return the numbers of unknowns that a case has, with their keys."""
-    found = []
+def _told(fit: Identification, chosen: list[tuple[int, list[str]]]) -> list[str]:
+    """Return the names of those that the data tell."""
+    known = [str(fit.data["unknown"].values[k]) for k, _ in chosen]
+    return [name for name in known if fit.numbers[name].told]
+
+
+def _chosen(fit: Identification, nuisances: bool, names: Sequence[str] | None) -> list[tuple[int, list[str]]]:
+    """Return the numbers of unknowns that a case has, with their keys, or of those that are wanted."""
+    every: dict[str, tuple[int, list[str]]] = {}
     for k, name in enumerate(map(str, fit.data["unknown"].values)):
         if fit.data["nuisance"].values[k] and not (nuisances and _is_key(fit, name)):
             continue
-        found.append((k, [key.strip() for key in name.split(",")]))
-    return found
+        every[name] = k, [key.strip() for key in name.split(",")]
+    wanted = list(every) if names is None else [names] if isinstance(names, str) else list(names)
+    for name in wanted:
+        if name not in every:
+            raise InputError(
+                Fault("names", show(name), "there is no such unknown", f"give some of {list(every)}")
+            )
+    return [found for name, found in every.items() if name in wanted]
 
 
 def _is_key(fit: Identification, name: str) -> bool:

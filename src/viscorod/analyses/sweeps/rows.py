@@ -47,7 +47,8 @@ def rows_of(
         raise InputError(Fault("values", "", "there is nothing to vary", _ADVICE))
     varied, count = ({}, 1) if values is None else _varied(values)
     crossed = {} if grid is None else _columns(grid)
-    same = {} if constants is None else {str(key): _plain(value) for key, value in constants.items()}
+    alone = {} if constants is None else {str(key): [_plain(value)] for key, value in constants.items()}
+    same = {key: column[0] for key, column in _in_units(alone).items()}
     keys = [*varied, *crossed, *same]
     for key in keys:
         if keys.count(key) > 1:
@@ -97,6 +98,8 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
                 instead = "give every key one value per member, or every combination with grid"
                 raise InputError(Fault(key, found, why, instead))
     else:
+        if isinstance(values, Sequence) and not isinstance(values, str):  # rows of a table of pandas
+            values = [row.to_dict() if hasattr(row, "to_dict") else row for row in values]
         if not isinstance(values, Sequence) or not all(isinstance(row, Mapping) for row in values):
             raise InputError(Fault("values", show(values), "keys with their values are needed here", _ADVICE))
         for k, row in enumerate(values):
@@ -105,7 +108,8 @@ def _varied(values: Any) -> tuple[dict[str, Sequence[Any]], int]:
                 why = f"the first member has {', '.join(map(str, values[0]))}"
                 raise InputError(Fault(f"values[{k}]", found, why, "give all members the same keys"))
         count = len(values)
-        columns = {str(key): [_plain(row[key]) for row in values] for key in (values[0] if values else ())}
+        heads = values[0] if values else ()
+        columns = _in_units({str(key): [_plain(row[key]) for row in values] for key in heads})
     if not columns or not count:
         raise InputError(Fault("values", show(values), "there is nothing to vary", _ADVICE))
     return columns, count
@@ -121,7 +125,24 @@ def _columns(values: Any) -> dict[str, Sequence[Any]]:
             raise InputError(Fault(key, show(column), "a list of values is needed here", advice))
         if not isinstance(column, list | tuple | range) or not len(column):
             raise InputError(Fault(key, show(column), "a list of values is needed here", _ADVICE))
-    return columns
+    return _in_units(columns)
+
+
+def _in_units(columns: Mapping[str, Sequence[Any]]) -> dict[str, Sequence[Any]]:
+    """Return columns by key, with the units of their heads at their values: of "rods.beam.length [mm]", "300 mm"."""
+    found: dict[str, Sequence[Any]] = {}
+    for head, column in columns.items():
+        named = _UNIT.fullmatch(head)
+        key = named[1] if named else head
+        if key in found:
+            raise InputError(Fault(key, "", "two columns have this key", "leave one of them out"))
+        found[key] = [_measured(value, named[2]) for value in column] if named else column
+    return found
+
+
+def _measured(value: Any, unit: str) -> Any:
+    """Return a value with its unit, each of a list."""
+    return [_measured(one, unit) for one in value] if isinstance(value, list | tuple) else f"{value} {unit}"
 
 
 def _plain(value: Any) -> Any:
@@ -167,11 +188,7 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
     if gaps or not len(table):
         why = f"cells of {', '.join(gaps)} are empty or nan" if gaps else "the table has no rows"
         raise InputError(Fault("values", str(path), why, "give every member a value of every key"))
-    found: dict[str, Sequence[Any]] = {}
-    for key, head in zip(keys, heads, strict=True):
-        unit, column = _UNIT.fullmatch(head), _numbers(table[head].tolist())
-        found[key] = [f"{value} {unit[2]}" for value in column] if unit else column
-    return found
+    return {head: _numbers(table[head].tolist()) for head in heads}
 
 
 def _numbers(texts: Sequence[str]) -> Sequence[Any]:
