@@ -681,4 +681,4 @@ def test_both_sides_of_a_number_say_why_they_are_refused():
     case = vr.load_case("examples/rubber_strip.toml").model(vr.Model)
     with pytest.raises(InputError, match="is incompressible") as refused:
         case.equilibrium(derivatives=["materials.rubber.poissons_ratio"])
-    assert "changes the number of Maxwell branches" in str(refused.value)
+    assert "changes how many different relaxation times" in str(refused.value)

@@ -61,7 +61,8 @@ class RodStress:
             if len(self._known) >= MOST_SECTIONS:  # sections that vary along the rod
                 self._known.clear()
             try:
-                self._known[key] = SectionStress(here, curvature)
+                with self._result.recorded_rods.meshes():
+                    self._known[key] = SectionStress(here, curvature)
             except InputError as error:
                 raise InputError(problem.within(self.rod) for problem in error.problems) from None
         section: SectionStress = self._known[key]

@@ -16,6 +16,7 @@ import numpy as np
 from viscorod.analyses.derivatives.changed_arrays import Kind, array_changes, kind_of
 from viscorod.analyses.derivatives.differentiate import on_mesh_of
 from viscorod.analyses.derivatives.motions import MotionStart, change_of, exact_integrator, require_known
+from viscorod.analyses.derivatives.moved_steps import moves_corners
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import Fault, InputError, SolveError
@@ -155,6 +156,13 @@ def motion_gradient(
     motion = Retraced(discrete.problem, steps, ends, np.zeros(1))
     _ask(steps)
     numbers = [_Number.of(model, key, discrete, change_of(len(ends))) for key in keys]
+    for number in numbers:
+        if any(
+            moves_corners(discrete.problem.breakpoints, one.problem.breakpoints)
+            for one in number.neighbours.each
+        ):
+            why = "it moves jumps or corners of loads or motions within the steps, which its adjoint does not see"
+            raise UnknownAdjointError(Fault("keys", number.neighbours.number.key, why, "take differences"))
     if discrete.problem.relaxing and (more := [one for one in numbers if one.kind is Kind.MORE]):
         key, why = (
             more[0].neighbours.number.key,

@@ -46,6 +46,9 @@ class CaseNumber:
             InputError: there is no such number, or it is none of a model.
         """
         table, name, within = _place(key)
+        if within[-1] == "mesh_size":
+            why = "it says how a section is meshed, and meshes stay while numbers vary"
+            raise InputError(Fault("derivatives", show(key), why, "name a number of its shape"))
         part = _part(model, key, table, name)
         content = _completed(part, part.to_dict(), within)
         places = places_of(content, within)

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.analyses.derivatives.differentiate import derivative
+from viscorod.analyses.derivatives.moved_steps import moved_ends
 from viscorod.analyses.derivatives.neighbours import CLOSE, Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange, settle
 from viscorod.analyses.discrete import DiscreteModel
@@ -27,6 +28,7 @@ from viscorod.solve.history import History
 from viscorod.solve.problem.initial_shape import strain_rods
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.start import Start
+from viscorod.solve.transient.corners import corners_of
 from viscorod.solve.transient.given_steps import Retraced, side_by_side
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.company import Member
@@ -141,7 +143,12 @@ def _histories(
     for number, neighbours in enumerate(every):
         for one, state in zip(neighbours.each, start.states(neighbours), strict=True):
             integrator = exact_integrator(one, settings)
-            motions.append(Retraced(one.problem, integrator, run.ends_of_steps, run.time))
+            here, there = (
+                corners_of(problem, 0.0, settings.duration, within=integrator.looks_within)[0]
+                for problem in (start.discrete.problem, one.problem)
+            )
+            ends = moved_ends(neighbours.number.key, run.ends_of_steps, run.time, here, there)
+            motions.append(Retraced(one.problem, integrator, ends, run.time))
             states.append(state)
             members.append(Member(number, one.change))
     stuck = side_by_side(motions, states, settings.duration, members)

@@ -9,7 +9,7 @@ the same. Nothing is solved for these.
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 from typing import Any, NamedTuple
@@ -17,6 +17,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
+from viscorod.analyses.derivatives.section_meshes import section_meshes
 from viscorod.analyses.discrete import DiscreteModel, with_strains_at_rest
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.provenance import material_record, section_record
@@ -25,6 +26,7 @@ from viscorod.mechanics.joints.joint_coordinates import AT_Q_A, AT_U1
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.sections.kept_meshes import KeptMesh, kept_meshes
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import System
 from viscorod.solve.problem.discretise import discretise
@@ -84,6 +86,7 @@ class Neighbour:
     Attributes:
         change: of the number; weight: of what is computed with it, in the derivative.
         model, problem: with the other number, discretised on the mesh of ``base``.
+        meshes: of sections of ``base``, which its own ones are moved from.
     """
 
     change: float
@@ -91,6 +94,7 @@ class Neighbour:
     model: ModelDescription
     problem: Problem
     base: DiscreteModel
+    meshes: tuple[KeptMesh, ...] = ()
 
     @cached_property
     def discrete(self) -> DiscreteModel:
@@ -118,7 +122,10 @@ class Neighbour:
         kept = {name: value for name, value in result.data.attrs.items() if name != "kind"}
         rods = zip(self.base.model.rods.values(), model.rods.values(), strict=True)
         if not all(a is b for a, b in rods):
-            kept |= material_record(model) | section_record(model, self.system.gauss_positions())
+            with kept_meshes(self.meshes):
+                kept |= material_record(model) | section_record(model, self.system.gauss_positions())
+            if self.meshes:
+                kept["section_meshes"] = json.dumps([mesh.to_list() for mesh in self.meshes])
         return kept | {"case": json.dumps(model.to_dict())}
 
 
@@ -155,21 +162,22 @@ class Neighbours(NamedTuple):
         """
         number = CaseNumber.of(model, key)
         size = number.size or natural_size(number.unit, discrete.problem)
+        meshes = section_meshes(discrete)
         refused: list[str] = []
         central, above, below = MANY if few is None else FEW
         for scheme, part in ((central, 1.0), (central, 0.01), (above, 1.0), (below, 1.0)):
             step = part * (few or many) * size
             try:
-                found = [_made(discrete, number, step * place) for place in scheme.places]
+                found = [_made(discrete, number, step * place, meshes) for place in scheme.places]
                 turn = max(_turned(discrete.problem, problem) for _, problem in found)
                 if turn > TURN:
                     step *= TURN / turn
-                    found = [_made(discrete, number, step * place) for place in scheme.places]
+                    found = [_made(discrete, number, step * place, meshes) for place in scheme.places]
             except InputError as error:
                 refused += [text for text in [str(error)] if text not in refused]
                 continue
             each = [
-                Neighbour(step * place, weight / step, *made, discrete)
+                Neighbour(step * place, weight / step, *made, discrete, meshes)
                 for place, weight, made in zip(scheme.places, scheme.weights, found, strict=True)
             ]
             return cls(number, tuple(each), tuple(weight / step for weight in scheme.rough))
@@ -216,8 +224,17 @@ def natural_size(unit: str, problem: Problem) -> float:
     }.get(unit, 1.0)
 
 
-def _made(discrete: DiscreteModel, number: CaseNumber, change: float) -> tuple[ModelDescription, Problem]:
-    """Return the model of a neighbour, and its arrays."""
+def _made(
+    discrete: DiscreteModel, number: CaseNumber, change: float, meshes: Sequence[KeptMesh]
+) -> tuple[ModelDescription, Problem]:
+    """Return the model of a neighbour, and its arrays; its sections keep the meshes that are there."""
+    with kept_meshes(meshes):
+        return _made_alike(discrete, number, change)
+
+
+def _made_alike(
+    discrete: DiscreteModel, number: CaseNumber, change: float
+) -> tuple[ModelDescription, Problem]:
     model = number.at(number.value + change)
     if discrete.model.rest_strains and not discrete.model.strains and model.strains:
         model = with_strains_at_rest(model)
@@ -253,6 +270,11 @@ def _corners(model: ModelDescription, name: str) -> np.ndarray:
     return np.array([0.0, rod.length, *rod.section_breaks, *(p.s for p in places if p.rod == name)])
 
 
+def _instants(times: Sequence[float]) -> list[float]:
+    """Return whether times are before, at or after t = 0: -1, 0 or 1."""
+    return [float(sign) for sign in np.sign(times)]
+
+
 def _difference(problem: Problem, other: Problem) -> str:
     """Say in what two problems differ beside their numbers; empty if in nothing."""
     mine, its = problem.joints.arrays, other.joints.arrays
@@ -271,13 +293,13 @@ def _difference(problem: Problem, other: Problem) -> str:
             (mine.place, its.place),
             (problem.held.place, other.held.place),
         ],
-        "the number of Maxwell branches": [
+        "how many different relaxation times there are (materials.NAME... is the number of all rods of a material)": [
             (len(problem.relaxation_times), len(other.relaxation_times)),
         ],
-        "when loads or motions jump or have corners": [
-            (problem.breakpoints, other.breakpoints),
-            (problem.jumps, other.jumps),
-            (problem.rows, other.rows),
+        "when rows of records are": [(problem.rows, other.rows)],
+        "which jumps or corners of loads and motions are at one time, or at t = 0": [
+            (_instants(one), _instants(two))
+            for one, two in ((problem.breakpoints, other.breakpoints), (problem.jumps, other.jumps))
         ],
     }
     for text, pairs in checks.items():

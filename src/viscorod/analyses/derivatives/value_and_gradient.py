@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import show
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -29,6 +30,9 @@ class ValueAndGradient:
 
     Attributes:
         way: how the last gradient was found, in words.
+
+    Raises:
+        InputError: keys are no list of different keys, or there is no such number.
     """
 
     def __init__(
@@ -41,7 +45,11 @@ class ValueAndGradient:
         *,
         adjoint: bool = False,
     ) -> None:
+        if isinstance(keys, str) or not keys or len(set(keys)) < len(keys):
+            why = "a list of keys is needed, one or more, each once"
+            raise InputError(Fault("keys", show(keys), why, 'write ["materials.rubber.youngs_modulus"]'))
         self.model, self.keys = model, tuple(keys)
+        self._last: tuple[Floats, Any, Floats] | None = None
         self.way, self._adjoint, self._refused = "", adjoint, ""
         self._function, self._analysis, self._settings = function, analysis, settings
         self.numbers = [CaseNumber.of(model, key) for key in self.keys]
@@ -56,8 +64,32 @@ class ValueAndGradient:
         """Their units; empty where not known."""
         return [number.unit for number in self.numbers]
 
+    @property
+    def sizes(self) -> Floats:
+        """How large numbers of their kind are in the model ``(keys,)``, SI units; 1 where all of them are zero.
+
+        That is their own size, or that of the vector that they are components of.
+        """
+        return np.array([number.size or 1.0 for number in self.numbers])
+
+    def relative(self, parts: Any) -> tuple[Any, Floats]:
+        """Return the same of numbers as parts of their :attr:`sizes`, with the derivatives by these parts.
+
+        Optimisers take all unknowns for of one size, and end at once where a gradient is that by a modulus in Pa.
+
+        Args:
+            parts: of the numbers ``(keys,)``; those of the model are ``f.values / f.sizes``.
+
+        Raises:
+            InputError: see :meth:`__call__`.
+        """
+        value, gradient = self(self._array(parts) * self.sizes)
+        return value, gradient * self.sizes
+
     def __call__(self, values: Any) -> tuple[Any, Floats]:
         """Return the value, and its derivatives with the numbers along the last axis ``(..., keys)``.
+
+        What was asked for last is remembered: asking for it again costs nothing.
 
         Args:
             values: of the numbers ``(keys,)``, SI units.
@@ -65,17 +97,42 @@ class ValueAndGradient:
         Raises:
             InputError: they are not as many numbers, or one is refused. SolveError: there is no such result.
         """
-        numbers = np.asarray(values, dtype=float)
+        numbers = self._array(values)
+        if self._last is None or not np.array_equal(numbers, self._last[0]):
+            model = with_values(self.model, dict(zip(self.keys, map(float, numbers), strict=True)))
+            found = self._by_adjoint(model) if self._adjoint else self._by_derivatives(model)
+            self._last = numbers, *found
+        _, value, gradient = self._last
+        return (value.copy() if isinstance(value, np.ndarray) else value), gradient.copy()
+
+    def _array(self, values: Any) -> Floats:
+        """Return numbers ``(keys,)``.
+
+        Raises:
+            InputError: they are none, or not as many.
+        """
+        why = f"{len(self.keys)} of them are needed, one for each key"
+        instead = f"give those of {', '.join(self.keys)}"
+        try:
+            numbers = np.array(values, dtype=float)
+        except (TypeError, ValueError):
+            raise InputError(Fault("values", show(values), why, instead)) from None
         if numbers.shape != (len(self.keys),):
-            found = f"an array {numbers.shape}"
-            why = f"{len(self.keys)} numbers are needed, one for each key"
-            raise InputError(Fault("values", found, why, f"give those of {', '.join(self.keys)}"))
-        model = with_values(self.model, dict(zip(self.keys, map(float, numbers), strict=True)))
-        if self._adjoint:
-            return self._by_adjoint(model)
+            raise InputError(Fault("values", f"an array {numbers.shape}", why, instead))
+        return numbers
+
+    def _by_derivatives(self, model: Model) -> tuple[Any, Floats]:
+        """Return the value and its derivatives by those of the result."""
         self.way = "derivatives of the result"
         result = getattr(model, self._analysis)(**self._settings, derivatives=self.keys)
-        value = np.asarray(self._function(result), dtype=float)
+        found = self._function(result)
+        try:
+            value = np.asarray(found, dtype=float)
+        except (TypeError, ValueError):
+            why = "it returns a number, or an array of numbers, made of the result"
+            raise InputError(
+                Fault("function", type(found).__name__, why, 'such as found.position("beam.end")')
+            ) from None
         slopes = [np.asarray(result.derivatives[key].of(self._function)) for key in self.keys]
         return (value if value.ndim else float(value)), np.stack(slopes, axis=-1)
 

@@ -15,6 +15,7 @@ from viscorod.model.fields.forms import listed, named_or, of_kind
 from viscorod.model.fields.metadata import TABLES, Accepts, Key, accepts, optional
 from viscorod.model.fields.values import Number, choose, items, pair
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.kept_meshes import KeptMesh
 from viscorod.model.sections.mesh_flow import mesh_field
 from viscorod.model.sections.meshed_section import (
     AXES,
@@ -305,6 +306,11 @@ class Composite(AnySection):
                 sums[b.time] = sums.get(b.time, 0.0) + share
         times = sorted(sums)
         return np.array(times), np.array([sums[time] for time in times]).reshape(-1, 6, 6)
+
+    def mesh(self, material: Material | None = None) -> KeptMesh:
+        """See `AnySection.mesh`."""
+        del material
+        return KeptMesh(self._polygons, self._analysis.side)
 
     def stress_field(self, material: Material | None = None) -> StressField:
         """Return how the regions carry the forces, by finite elements.

@@ -10,6 +10,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.fields.metadata import Key
 from viscorod.model.materials.material import Material
 from viscorod.model.sections.isotropic_section import MaterialSection, required
+from viscorod.model.sections.kept_meshes import KeptMesh
 from viscorod.model.sections.mesh_flow import mesh_field
 from viscorod.model.sections.meshed_section import (
     AXES,
@@ -141,6 +142,11 @@ class PolygonSection(MaterialSection):
         """
         found = self._parts(poissons_ratio)
         return found.extensional[0], found.shearing[0], found.inertia[0]
+
+    def mesh(self, material: Material | None = None) -> KeptMesh:
+        """See `AnySection.mesh`."""
+        nu = 0.0 if material is None else material.poissons_ratio
+        return KeptMesh(self._polygons, self._analysis(nu).side)
 
     def stress_field(self, material: Material | None = None) -> StressField:
         """Return how the section carries its forces, by finite elements.

@@ -38,8 +38,9 @@ from functools import lru_cache
 
 import numpy as np
 
+from viscorod.model.sections.kept_meshes import KeptMesh, kept_mesh, mesh_of
 from viscorod.model.sections.polygons import Polygon
-from viscorod.model.sections.section_mesh import SectionMesh, first_size, triangulate
+from viscorod.model.sections.section_mesh import SectionMesh, first_size
 from viscorod.typing import Floats, Integers
 
 __all__ = ["POINTS", "SectionAnalysis", "ShearFields", "analysed", "area_moments", "meshed", "shear_shares"]
@@ -71,7 +72,6 @@ class SectionAnalysis:
     error: float
 
 
-@lru_cache(maxsize=256)
 def analysed(
     polygons: tuple[Polygon, ...],
     youngs: tuple[float, ...],
@@ -79,7 +79,7 @@ def analysed(
     nu: float,
     side: float | None,
 ) -> SectionAnalysis:
-    """Analyse regions of the given moduli, Pa, on a mesh that is refined until the stiffnesses stay.
+    """Analyse regions of the given moduli, Pa, on a mesh that is refined until the stiffnesses stay, or is kept.
 
     Args:
         polygons: of the regions, m.
@@ -89,9 +89,23 @@ def analysed(
         side: of the triangles, m; None refines automatically.
 
     Raises:
-        RefusedError: the given side makes too many triangles.
+        RefusedError: the given side makes too many triangles, or a kept mesh does not suit.
     """
+    return _analysed(polygons, youngs, shear, nu, side, kept_mesh(polygons))
+
+
+@lru_cache(maxsize=256)
+def _analysed(
+    polygons: tuple[Polygon, ...],
+    youngs: tuple[float, ...],
+    shear: tuple[float, ...],
+    nu: float,
+    side: float | None,
+    kept: KeptMesh | None,
+) -> SectionAnalysis:
     moduli = np.array(youngs), np.array(shear)
+    if kept is not None:
+        side = kept.side
     if side is not None:
         return _once(polygons, *moduli, nu, side)
     side = first_size(polygons)
@@ -119,10 +133,12 @@ def _once(
     return SectionAnalysis(centre, moments, strains, len(mesh.triangles), side, math.nan)
 
 
-@lru_cache(maxsize=32)
 def meshed(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
-    """Return the mesh of regions with triangles of this side, m."""
-    return triangulate(polygons, side)
+    """Return the mesh of regions with triangles of this side, m, or the one that is kept for them."""
+    return _meshed(polygons, side, kept_mesh(polygons))
+
+
+_meshed = lru_cache(maxsize=32)(mesh_of)
 
 
 def area_moments(mesh: SectionMesh, about: Floats) -> Floats:

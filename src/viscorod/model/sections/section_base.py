@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import Definition, RefusedError
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.kept_meshes import KeptMesh
 from viscorod.model.sections.polygons import Extent, Polygon
 from viscorod.model.sections.stress_field import StressField
 from viscorod.small_drawing import Drawing
@@ -85,6 +86,11 @@ class AnySection(Definition):
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about the formulas used for this section."""
         return ()
+
+    def mesh(self, material: Material | None = None) -> KeptMesh | None:
+        """Return what its mesh is made of; None where it has none."""
+        del material
+        return None
 
     def stress_field(self, material: Material | None = None) -> StressField:
         """Return how the section carries its forces, from which stresses at its points follow.

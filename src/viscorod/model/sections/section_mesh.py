@@ -14,7 +14,7 @@ from viscorod.model.sections.polygons import Polygon, library
 from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats, Integers
 
-__all__ = ["SectionMesh", "first_size", "refuse_misfits", "triangulate"]
+__all__ = ["Joined", "SectionMesh", "first_size", "joined", "refuse_misfits", "triangulate"]
 
 SNAP = 1e-7
 """Corners and edges closer than this fraction of the section's size are one: regions meet in spite of round-off."""
@@ -45,8 +45,8 @@ def refuse_misfits(polygons: tuple[Polygon, ...]) -> None:
         RefusedError: which regions are wrong.
     """
     shapely, _ = library()
-    joined = _joined(polygons)
-    shapes = [_shape(shapely, rings, joined.corners) for rings in joined.rings]
+    met = joined(polygons)
+    shapes = [_shape(shapely, rings, met.corners) for rings in met.rings]
     for index, shape in enumerate(shapes):
         if shape is None or not shape.is_valid or shape.area < SNAP**2:
             raise RefusedError(
@@ -100,8 +100,8 @@ def _expected_triangles(shape: Any) -> float:
 def first_size(polygons: tuple[Polygon, ...]) -> float:
     """Return the triangle side of a first mesh, m: half of 2 A/perimeter, at most a tenth of the root of A."""
     shapely, _ = library()
-    joined = _joined(polygons)
-    shapes, size = [_shape(shapely, rings, joined.corners) for rings in joined.rings], joined.size
+    met = joined(polygons)
+    shapes, size = [_shape(shapely, rings, met.corners) for rings in met.rings], met.size
     area = sum(shape.area for shape in shapes)
     thickness = min(2.0 * shape.area / shape.length for shape in shapes)
     return float(size * max(min(0.5 * thickness, 0.1 * math.sqrt(area)), math.sqrt(2.0 * area / 20_000)))
@@ -118,8 +118,8 @@ def triangulate(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
         RefusedError: it would take too many triangles.
     """
     shapely, pre = library()
-    joined = _joined(polygons)
-    shapes, size = [_shape(shapely, rings, joined.corners) for rings in joined.rings], joined.size
+    met = joined(polygons)
+    shapes, size = [_shape(shapely, rings, met.corners) for rings in met.rings], met.size
     largest = math.sqrt(3.0) / 4.0 * (side / size) ** 2
     area = sum(shape.area for shape in shapes)
     if not largest > 0.0 or area / largest > MOST_TRIANGLES:
@@ -130,10 +130,10 @@ def triangulate(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
             found=show(side),
             at=("mesh_size",),
         )
-    facets = sorted(joined.edges)
+    facets = sorted(met.edges)
     holes = [shapely.Polygon(ring) for ring in shapely.unary_union(shapes).interiors]
     found = pre.create_mesh(
-        points=joined.corners.tolist(),
+        points=met.corners.tolist(),
         facets=facets,
         holes=[hole.representative_point().coords[0] for hole in holes],
         control_points=[shape.representative_point().coords[0] for shape in shapes],
@@ -143,12 +143,12 @@ def triangulate(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
     )
     triangles = np.array(found["triangles"], dtype=np.int64)[:, [0, 1, 2, 5, 3, 4]]
     region = np.array(found["triangle_attributes"], dtype=float).reshape(len(triangles), -1)[:, 0]
-    points = np.array(found["vertices"], dtype=float) * size + joined.middle
+    points = np.array(found["vertices"], dtype=float) * size + met.middle
     return SectionMesh(points, triangles, region.astype(np.int64))
 
 
 @dataclass(frozen=True)
-class _Joined:
+class Joined:
     """Regions whose common corners and edges are the same: corners (n, 2), scaled by size about the middle.
 
     Attributes:
@@ -163,7 +163,7 @@ class _Joined:
     middle: Floats
 
 
-def _joined(polygons: tuple[Polygon, ...]) -> _Joined:
+def joined(polygons: tuple[Polygon, ...]) -> Joined:
     """Merge corners that are closer than `SNAP`, and insert corners that lie on an edge of a region into it."""
     every = np.array([corner for outline, _ in polygons for corner in outline])
     low, high = every.min(axis=0), every.max(axis=0)
@@ -185,7 +185,7 @@ def _joined(polygons: tuple[Polygon, ...]) -> _Joined:
         for ring in region
         for i, j in zip(ring, [*ring[1:], *ring[:1]], strict=True)
     }
-    return _Joined(corners, full, edges, size, middle)
+    return Joined(corners, full, edges, size, middle)
 
 
 def _index(corner: Floats, found: list[Floats]) -> int:

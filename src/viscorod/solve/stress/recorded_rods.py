@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
+from contextlib import AbstractContextManager
 from dataclasses import dataclass
 from typing import Any, NamedTuple
 
@@ -11,6 +12,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
+from viscorod.model.sections.kept_meshes import KeptMesh, kept_meshes
 from viscorod.model.sections.section_base import AnySection
 from viscorod.model.sections.section_profile import Piecewise, SectionProfile, section_profile
 from viscorod.model.sections.section_stations import Stations
@@ -56,9 +58,14 @@ class RecordedRods:
             s["rod"] for s in case.get("rest_strains", ()) if {"temperature", "gradient"} & s.keys()
         }
         self._more = json.loads(str(attrs.get("sections") or "{}"))
+        self._meshes = [KeptMesh.of_list(one) for one in json.loads(str(attrs.get("section_meshes") or "[]"))]
         self._lengths = lengths
         self._alike: dict[str, RecordedRod] = {}
         self.known: dict[Any, Any] = {}
+
+    def meshes(self) -> AbstractContextManager[None]:
+        """Let sections take the meshes that the result was computed with, where it was by a neighbour of a model."""
+        return kept_meshes(self._meshes)
 
     def rod(self, name: str) -> RecordedRod:
         """Return the sections of a rod.
@@ -88,7 +95,8 @@ class RecordedRods:
                 )
             )
         if key not in self._alike:
-            self._alike[key] = RecordedRod.of(name, described, self._lengths[name])
+            with self.meshes():
+                self._alike[key] = RecordedRod.of(name, described, self._lengths[name])
         return self._alike[key]
 
 

@@ -114,12 +114,13 @@ def side_by_side(
     for one, state in zip(motions, states, strict=True):
         one.open(state, duration)
     corners, jumps = first.corners(0.0, duration)
-    for corner in corners:
+    own = [one.corners(0.0, duration)[0] for one in motions]  # as many, at times that may differ a little
+    for k, corner in enumerate(corners):
         while first.integrator.t < corner:
-            for one in motions:
-                if not one.step(corner):
+            for one, times in zip(motions, own, strict=True):
+                if not one.step(times[k]):
                     return one
         if corner in jumps:
-            for one in motions:
-                one.restart(corner)
+            for one, times in zip(motions, own, strict=True):
+                one.restart(times[k])
     return next((one for one in motions if not one.complete), None)
