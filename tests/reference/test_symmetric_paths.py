@@ -81,3 +81,11 @@ def test_an_arch_that_is_not_quite_symmetric_leans_on_every_mesh():
     assert ends[1] == pytest.approx(ends[2], rel=1e-8)
     assert ends[0] == pytest.approx(ends[1], rel=2e-4)
     assert np.isclose(paths[0].load_factor[-1], 0.2924, atol=2e-4)
+
+
+def test_a_very_small_imperfection_is_no_rounding():
+    """An opening that is wrong by 2e-8 rad parts the paths by 1e-4, as rounding may: the force that does it tells."""
+    model = arch(8, 4, OPENING - 2e-8)
+    path = pressed(model, middle(model))
+    assert "near 0.48" in flat(path.report())
+    assert len(path.bifurcations) == 2

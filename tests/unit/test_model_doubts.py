@@ -94,6 +94,13 @@ def test_wire_thicker_than_its_radius_of_curvature(model, told):
     assert any("0.01633 m away" in text for text in warnings) == told
 
 
+@pytest.mark.parametrize(("pitch", "told"), [(0.0, True), (0.0018, True), (0.002, False), (0.01, False)])
+def test_turns_that_lie_within_each_other_are_told(pitch, told):
+    """Two turns of a wire of 2 mm: those of a close-coiled spring, 2 mm apart, touch."""
+    model = coil(0.02, vr.Circle(0.001), pitch)
+    assert any("lie within each other, and no contact" in text for text in model.check().warnings) == told
+
+
 def test_band_bent_over_its_flat_side_is_not_doubted():
     """Its half width, 12.5 mm, is more than the radius, its half thickness is not."""
     for d1, told in (((0, 0, 1), False), ((0, 1, 0), True)):
