@@ -16,6 +16,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.model.rod_checks import reaching_centre
+from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.section_shapes import Annulus, Circle
 from viscorod.solve.problem.problem import Problem
 
@@ -79,6 +80,7 @@ def _no_rod(name: str, rod: Rod) -> Iterator[str]:
         )
     yield from _coils(name, rod)
     yield from _warping(name, rod)
+    yield from _too_stiff(name, rod)
     found = reaching_centre(rod)
     if found is not None:
         s, radius = found
@@ -113,6 +115,19 @@ def _warping(name: str, rod: Rod) -> Iterator[str]:
             f"{longest:.3g} m (sqrt(EIw/GJ)), and the rod is {rod.length:.3g} m long; warping is free here, so with "
             "such ends it would twist less and buckle sideways later than computed"
         )
+
+
+def _too_stiff(name: str, rod: Rod) -> Iterator[str]:
+    """Yield whether a torsion constant is larger than that without warping, which is the largest (Saint-Venant)."""
+    for _, section in rod.typical_sections():
+        if isinstance(section, MaterialSection):
+            torsion, polar = section.torsion(), sum(section.moments()[1:])
+            if torsion > (1.0 + TOUCHING) * polar:
+                yield (
+                    f"rod {name}: the torsion constant {torsion:.4g} m^4 is larger than the sum of the second moments, "
+                    f"{polar:.4g} m^4: no section of one material has that (only round ones reach it)"
+                )
+                return
 
 
 def _askew(name: str, rod: Rod) -> Iterator[str]:

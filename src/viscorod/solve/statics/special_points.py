@@ -150,7 +150,7 @@ def special_points(
         if middle is not None:
             pending.append((middle, (high, last)))
             pending.append(((low, first), middle))
-        elif close and (apart or _meet(path, at, gap) or path.rounded(first, last)):
+        elif close and (apart or _meet(path, at, first, last, gap) or path.rounded(first, last)):
             place = path.judged(last if low == 0.0 else first)
             if found and low - found[-1].until < max(SAME * step, EXACT):
                 found[-1] = found[-1]._replace(after=after, until=high)
@@ -177,9 +177,14 @@ class _Located(NamedTuple):
         return SpecialPoint(self.point, limit, branches, self.after.oscillating != self.before.oscillating)
 
 
-def _meet(path: Follower, at: PathPoint, gap: Direction) -> bool:
-    """Return whether two points are as near to each other, or as much along the path, as those of one path."""
-    return path.size(gap) < MEETING or path.astray(at, gap) < ASTRAY
+def _meet(path: Follower, at: PathPoint, first: PathPoint, last: PathPoint, gap: Direction) -> bool:
+    """Return whether two points are near to each other, or as much along the path, as those of one path.
+
+    A path that turns sharply between ``at`` and the two, as at a limit point, leads from one to the other by their own
+    directions; where two paths are nearest to each other what parts them is across both.
+    """
+    near = path.size(gap) < MEETING or path.astray(at, gap) < ASTRAY
+    return near or max(path.astray(first, gap), path.astray(last, gap)) < ASTRAY
 
 
 def _between(path: Follower, at: PathPoint, low: float, high: float) -> tuple[float, PathPoint] | None:
