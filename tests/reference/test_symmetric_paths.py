@@ -81,3 +81,33 @@ def test_an_arch_that_is_not_quite_symmetric_leans_on_every_mesh():
     assert ends[1] == pytest.approx(ends[2], rel=1e-8)
     assert ends[0] == pytest.approx(ends[1], rel=2e-4)
     assert np.isclose(paths[0].load_factor[-1], 0.2924, atol=2e-4)
+
+
+def test_a_very_small_imperfection_is_no_rounding():
+    """An opening that is wrong by 2e-8 rad parts the paths by 1e-4, as rounding may: the force that does it tells."""
+    model = arch(8, 4, OPENING - 2e-8)
+    path = pressed(model, middle(model))
+    assert "near 0.48" in flat(path.report())
+    assert len(path.bifurcations) == 2
+
+
+def test_a_limit_point_parts_no_path():
+    """An arch of two hinges whose symmetric path ends at its limit load, with the sway bifurcation on the way.
+
+    Independent formulation: half of the arch. No point is found nearer to the limit load than 2e-8 of it, and the path
+    turns there: it was told to turn off beside another one."""
+    steel, strip = vr.Material(2e11, 0.3, 7850.0), vr.Rectangle(0.1, 0.01)
+    loads = []
+    for angle in (2.0, 1.0):
+        model = vr.Model()
+        s, c = np.sin(1.0), np.cos(1.0)
+        given = {"section": strip, "material": steel, "d1": (0, 0, 1), "elements": int(8 * angle), "order": 5}
+        model.add("arch", vr.Rod.arc((-s, c, 0), (c, s, 0), (s, -c, 0), 1.0, angle, **given))
+        hinge = ("ux", "uy", "uz", "rx", "ry")
+        model.support("arch.start", hinge)
+        model.support("arch.end", hinge if angle == 2.0 else ("ux", "uz", "rx", "ry", "rz"))
+        model.force("arch@1.0", (0, -angle * 1e4, 0))
+        path = model.path(limit_point=1)
+        assert "which it does not meet" not in flat(path.report())
+        loads.append(path.limit_points[0])
+    assert loads[0] == pytest.approx(loads[1], rel=1e-7)

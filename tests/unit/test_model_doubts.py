@@ -94,6 +94,27 @@ def test_wire_thicker_than_its_radius_of_curvature(model, told):
     assert any("0.01633 m away" in text for text in warnings) == told
 
 
+@pytest.mark.parametrize(("pitch", "told"), [(0.0, True), (0.0018, True), (0.002, False), (0.01, False)])
+def test_turns_that_lie_within_each_other_are_told(pitch, told):
+    """Two turns of a wire of 2 mm: those of a close-coiled spring, 2 mm apart, touch."""
+    model = coil(0.02, vr.Circle(0.001), pitch)
+    assert any("lie within each other, and no contact" in text for text in model.check().warnings) == told
+
+
+@pytest.mark.parametrize(("torsion", "told"), [(5e-9, True), (3e-9, False), (1e-9, False)])
+def test_torsion_constants_that_no_section_has_are_told(torsion, told):
+    """Saint-Venant's torsion constant is at most I1 + I2: warping only makes a section softer."""
+    section = vr.SectionProperties(
+        area=1e-4, second_moment_1=1e-9, second_moment_2=2e-9, torsion_constant=torsion
+    )
+    model = vr.Model()
+    model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=STEEL))
+    model.clamp("bar.start")
+    model.gravity()
+    for warnings in (model.check().warnings, model.equilibrium().warnings):
+        assert any("no section of one material has that" in text for text in warnings) == told
+
+
 def test_band_bent_over_its_flat_side_is_not_doubted():
     """Its half width, 12.5 mm, is more than the radius, its half thickness is not."""
     for d1, told in (((0, 0, 1), False), ((0, 1, 0), True)):

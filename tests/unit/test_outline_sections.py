@@ -6,6 +6,7 @@ import warnings
 import numpy as np
 import pytest
 
+import viscorod as vr
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.sections.composite import Composite, CompositeRegion
 from viscorod.model.sections.meshed_section import moved
@@ -279,3 +280,47 @@ def test_an_outline_that_a_formula_closes_but_for_round_off():
     assert points[0] != points[-1]
     exact = 2.0 * 0.6 * (0.2969 * 2 / 3 - 0.126 / 2 - 0.3516 / 3 + 0.2843 / 4 - 0.1036 / 5)
     assert PolygonSection(points).moments()[0] == pytest.approx(exact, rel=2e-3)
+
+
+def thin_walls(kind):
+    """Return corners of an I or a channel of walls 1 mm thick, whose middles are 0.1 m high and 0.05 m wide."""
+    b, h, t = 0.05, 0.1, 0.001
+    if kind == "channel":
+        x, y = b + 0.5 * t, h + t
+        return [(0, 0), (x, 0), (x, t), (t, t), (t, y - t), (x, y - t), (x, y), (0, y)]
+    x, y = 0.5 * b, 0.5 * (h + t)
+    right = [(x, -y), (x, t - y), (0.5 * t, t - y), (0.5 * t, y - t), (x, y - t), (x, y)]
+    return right + [(-p, -q) for p, q in right]
+
+
+@pytest.mark.parametrize(
+    ("kind", "inertia"),
+    [
+        ("I", 0.001 * 0.05**3 * 0.1**2 / 24.0),
+        ("channel", 0.001 * 0.05**3 * 0.1**2 / 12.0 * (3 * 0.05 + 2 * 0.1) / (6 * 0.05 + 0.1)),
+    ],
+)
+def test_held_warping_of_thin_walls_is_vlasovs(kind, inertia):
+    """Sectorial moments of inertia of thin walls (Vlasov 1961); J = sum of l t^3/3. What is told is not the error."""
+    section = vr.PolygonSection(thin_walls(kind))
+    torsion = (2 * 0.05 + 0.1) * 0.001**3 / 3.0
+    expected = np.sqrt(2.6 * inertia / torsion)
+    assert section.warping_length(vr.Material(2e11, 0.3, 7850.0)) == pytest.approx(expected, rel=2e-2)
+    for length, told in ((expected / 0.12, True), (expected / 0.08, False)):
+        model = vr.Model()
+        rod = vr.Rod.straight(
+            (0, 0, 0), (length, 0, 0), section=section, material=vr.Material(2e11, 0.3, 7850.0)
+        )
+        model.add("beam", rod)
+        model.clamp("beam.start")
+        assert any("holds the warping of its section" in text for text in model.check().warnings) == told
+
+
+def test_a_composite_warps_as_its_parts_do():
+    """Two materials of one kind are that material; a solid bar holds its warping over a part of its width."""
+    steel = vr.Material(2e11, 0.3, 7850.0)
+    whole = vr.PolygonSection([(0, 0), (0.02, 0), (0.02, 0.01), (0, 0.01)])
+    half = vr.Rectangle(0.01, 0.01)
+    parts = vr.Composite([vr.CompositeRegion(steel, half, at=(x, 0.0)) for x in (-0.005, 0.005)])
+    assert parts.warping_length() == pytest.approx(whole.warping_length(steel), rel=2e-3)
+    assert whole.warping_length(steel) < 0.01

@@ -16,6 +16,7 @@ from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.provenance import provenance, section_record
+from viscorod.analyses.thin_twist import thin_twist
 from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
@@ -322,10 +323,11 @@ class DiscreteModel:
 
         ``late`` makes attributes that are not known yet.
         """
-        complete = self.complete(attrs)
-        return partial(
-            state_arrays, kind, self.problem, self.system.gauss_positions(), history, complete, late
-        )
+        complete, points = self.complete(attrs), self.system.gauss_positions()
+        if history.instant:
+            told = thin_twist(self.problem, points, history.snapshots[-1].strain)
+            complete["doubts"] = json.dumps([*json.loads(complete.get("doubts", "[]")), *told])
+        return partial(state_arrays, kind, self.problem, points, history, complete, late)
 
     @property
     def _energy_scale(self) -> float:

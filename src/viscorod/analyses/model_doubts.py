@@ -11,10 +11,13 @@ from viscorod.analyses.doubtful_numbers import doubtful_numbers
 from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.model.actions.load import Gravity
 from viscorod.model.actions.time_table import TimeTable
+from viscorod.model.centrelines.line_shapes import Helix
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.model.rod_checks import reaching_centre
+from viscorod.model.sections.isotropic_section import MaterialSection
+from viscorod.model.sections.section_shapes import Annulus, Circle
 from viscorod.solve.problem.problem import Problem
 
 __all__ = ["model_doubts"]
@@ -25,6 +28,11 @@ RECORD = 20
 """Rows from which on a table of time is a record; shorter ones are ramps, which end where they are to stay."""
 HELD = 1e-3
 """Part of the largest value of a table beyond which one that is kept matters."""
+TOUCHING = 0.01
+"""Part of the thickness of a wire by which turns that touch may lie within each other, as numbers are rounded."""
+WARPED = 0.1
+"""Part of the length of a rod over which held warping stiffens its torsion, beyond which it is told: the twist of a
+cantilever is by as large a part of itself too large."""
 ASKEW = math.radians(5.0)
 """Angle between a given first axis of sections and the plane across the rod beyond which it is told."""
 
@@ -70,6 +78,9 @@ def _no_rod(name: str, rod: Rod) -> Iterator[str]:
             f"rod {name}: its half width, {half:.4g} m, is more than its length, {rod.length:.4g} m: it is no rod; "
             "lengths are in m, and 1 mm is 1e-3 m"
         )
+    yield from _coils(name, rod)
+    yield from _warping(name, rod)
+    yield from _too_stiff(name, rod)
     found = reaching_centre(rod)
     if found is not None:
         s, radius = found
@@ -78,6 +89,45 @@ def _no_rod(name: str, rod: Rod) -> Iterator[str]:
             f"{radius:.4g} m away: parts of it would lie within each other, which no body does, and the rod is "
             "computed as if it were slender; make the section thinner or the radius larger (lengths are in m)"
         )
+
+
+def _coils(name: str, rod: Rod) -> Iterator[str]:
+    """Yield whether the turns of a wire lie within each other; those of a close-coiled spring touch."""
+    line, section = rod.centreline, rod.section_at(0.0)
+    if not isinstance(line, Helix) or line.turns <= 1.0 or not isinstance(section, Circle | Annulus):
+        return
+    apart = line.pitch * 2.0 * math.pi * line.radius / math.hypot(2.0 * math.pi * line.radius, line.pitch)
+    thick = 2.0 * (section.half_width or 0.0)
+    if apart < (1.0 - TOUCHING) * thick:
+        yield (
+            f"rod {name}: its turns are {apart:.4g} m apart and its section is {thick:.4g} m thick: they lie within "
+            "each other, and no contact is computed; make the pitch larger or the section thinner (lengths are in m)"
+        )
+
+
+def _warping(name: str, rod: Rod) -> Iterator[str]:
+    """Yield whether held warping would stiffen the torsion of thin open walls, which is not computed (Vlasov)."""
+    known = [section.warping_length(rod.material) or 0.0 for _, section in rod.typical_sections()]
+    longest = max(known, default=0.0)
+    if longest > WARPED * rod.length:
+        yield (
+            f"rod {name}: an end that holds the warping of its section, as a weld does, stiffens torsion over "
+            f"{longest:.3g} m (sqrt(EIw/GJ)), and the rod is {rod.length:.3g} m long; warping is free here, so with "
+            "such ends it would twist less and buckle sideways later than computed"
+        )
+
+
+def _too_stiff(name: str, rod: Rod) -> Iterator[str]:
+    """Yield whether a torsion constant is larger than that without warping, which is the largest (Saint-Venant)."""
+    for _, section in rod.typical_sections():
+        if isinstance(section, MaterialSection):
+            torsion, polar = section.torsion(), sum(section.moments()[1:])
+            if torsion > (1.0 + TOUCHING) * polar:
+                yield (
+                    f"rod {name}: the torsion constant {torsion:.4g} m^4 is larger than the sum of the second moments, "
+                    f"{polar:.4g} m^4: no section of one material has that (only round ones reach it)"
+                )
+                return
 
 
 def _askew(name: str, rod: Rod) -> Iterator[str]:

@@ -103,9 +103,30 @@ def refined_buckling(
         mine, theirs = found.load_factors[:paired], other.load_factors[:paired]
         errors = np.ones(len(found.load_factors))
         errors[:paired] = np.abs(mine - theirs) / np.maximum(np.abs(theirs), np.finfo(float).tiny)
-        return found.with_errors(errors), errors
+        found = found.with_errors(errors)
+        unlike = _unlike(found, other)
+        if unlike:
+            told = json.loads(found.data.attrs.get("warnings", "[]"))
+            found.data.attrs["warnings"] = json.dumps([*told, unlike])
+        return found, np.append(errors, [1.0] if unlike else [])
 
     return beside_finer(analysis, discrete, settings, compared)
+
+
+def _unlike(found: Buckling, other: Buckling) -> str:
+    """Return a warning where a finer mesh has critical loads of other kinds, or more at once, else nothing."""
+    if not found.exact:
+        return ""
+    for k, (mine, better) in enumerate(zip(found.limit, other.limit, strict=False), 1):
+        if mine != better:
+            kinds = ("a limit point", "a bifurcation") if mine else ("a bifurcation", "a limit point")
+            return f"critical load {k} is {kinds[0]} on this mesh and {kinds[1]} on a finer one; use more elements"
+    if len(found.load_factors) < len(other.load_factors):
+        return (
+            f"a finer mesh has {len(other.load_factors)} critical loads where this one has "
+            f"{len(found.load_factors)}; use more elements"
+        )
+    return ""
 
 
 def beside_finer(

@@ -222,6 +222,12 @@ class Composite(AnySection):
         """The polygons about the centre line, along d1 and d2, m."""
         return self.centres.about_line(self._polygons)
 
+    def warping_length(self, material: Material | None = None) -> float | None:
+        """See `AnySection.warping_length`."""
+        del material
+        _, shear = self._moduli
+        return math.sqrt(self._analysis.warping * float(shear @ self._analysis.strains[:, 2, 2]))
+
     def remarks(self) -> tuple[str, ...]:
         """Describe the mesh and its error, and the neglected effects where Poisson's ratios differ."""
         mesh = meshed_remark(self._analysis)

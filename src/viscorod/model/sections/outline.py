@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import Any, ClassVar, Literal, Self
 
 from pydantic import Field, model_validator
@@ -114,6 +115,11 @@ class PolygonSection(MaterialSection):
     def outline(self) -> tuple[Polygon, ...]:
         """The polygons about the centre line, along d1 and d2, m."""
         return self.centres.about_line(self._polygons)
+
+    def warping_length(self, material: Material | None = None) -> float | None:
+        """See `AnySection.warping_length`."""
+        found = self._analysis(0.0 if material is None else material.poissons_ratio)
+        return math.sqrt(found.warping * float(found.strains[0, 2, 2]))
 
     def remarks(self) -> tuple[str, ...]:
         """Describe the mesh and its error."""

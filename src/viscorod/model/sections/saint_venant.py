@@ -33,7 +33,7 @@ returns only the sum over all materials. For one material both agree (tests/unit
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import lru_cache
 
 import numpy as np
@@ -60,6 +60,7 @@ class SectionAnalysis:
         moments: of every region (r, 6): int of 1, x, y, x^2, y^2, x y, m^2 to m^4.
         strains: P of every region (r, 3, 3): int of products of the shear strains under unit forces along d1, d2
             and a unit torque; 1/N^2 m^2 times m^0 to m^-2.
+        warping: int of E w^2 with the warping w of a unit twist, freed of stretch and bending; N m^4.
         triangles: number of triangles; side: of the largest, m.
         error: change of the largest relative entry against the mesh before; NaN for a given mesh size.
     """
@@ -67,6 +68,7 @@ class SectionAnalysis:
     centre: Floats
     moments: Floats
     strains: Floats
+    warping: float
     triangles: int
     side: float
     error: float
@@ -115,7 +117,7 @@ def _analysed(
         fine = _once(polygons, *moduli, nu, side)
         before, after = (np.einsum("r,rii->i", moduli[1], x.strains) for x in (coarse, fine))
         change = float(np.abs(before / after - 1.0).max())
-        coarse = SectionAnalysis(fine.centre, fine.moments, fine.strains, fine.triangles, side, change)
+        coarse = replace(fine, error=change)
         if change < ACCURACY:
             break
     return coarse
@@ -129,8 +131,10 @@ def _once(
     stiffness = youngs @ first
     centre = stiffness[1:3] / stiffness[0]
     moments = area_moments(mesh, centre)
-    strains = shear_shares(mesh, centre, youngs, shear, nu)
-    return SectionAnalysis(centre, moments, strains, len(mesh.triangles), side, math.nan)
+    fields = ShearFields(mesh, centre, youngs, shear, nu)
+    return SectionAnalysis(
+        centre, moments, fields.shares(), fields.warping_stiffness(), len(mesh.triangles), side, math.nan
+    )
 
 
 def meshed(polygons: tuple[Polygon, ...], side: float) -> SectionMesh:
@@ -163,6 +167,7 @@ class ShearFields:
 
     def __init__(self, mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats, nu: float) -> None:
         self.mesh, self.about, self.nu = mesh, about, nu
+        self._regions = len(youngs)
         self.length = float(np.sqrt(area_moments(mesh, about)[:, 0].sum()))
         self.top = float(shear.max())
         e, g = youngs[mesh.region] / self.top, shear[mesh.region] / self.top
@@ -173,6 +178,7 @@ class ShearFields:
         # B q' = (0, N2, -N1): B from the moduli and moments, columns q' for N1 = 1 and N2 = 1
         axial = np.stack([np.ones_like(x), y, -x], axis=-1)
         bending = np.einsum("m,mq,mqi,mqj->ij", e, weight, axial, axial)
+        self._axial = e, axial, bending
         self._rates = np.linalg.solve(bending, np.array([[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]))
         given = self._given(x, y)
         source = np.concatenate([axial @ self._rates, np.zeros((*x.shape, 1))], axis=-1)
@@ -187,6 +193,23 @@ class ShearFields:
         )
         self._combined[2] = [-torque[0] / torque[2], -torque[1] / torque[2], 1.0 / torque[2]]
         self.fields = strains @ self._combined
+
+    def shares(self) -> Floats:
+        """Return the strains P of every region ``(r, 3, 3)``; see the module."""
+        products = np.einsum("mq,mqdi,mqdj->mij", self.rule.weight, self.fields, self.fields)
+        shares = np.zeros((self._regions, 3, 3))
+        np.add.at(shares, self.mesh.region, products)
+        scale = 1.0 / np.array([1.0, 1.0, self.length])
+        return np.asarray(shares * np.outer(scale, scale) / self.length**2 / self.top**2)
+
+    def warping_stiffness(self) -> float:
+        """Return int of E w^2 of a unit twist about the shear centre, N m^4 (Vlasov's sectorial moment of inertia)."""
+        e, axial, bending = self._axial
+        w = self._warping[self.mesh.triangles, 2] @ self.rule.values.T
+        weight = e[:, None] * self.rule.weight
+        by = np.einsum("mq,mqi,mq->i", weight, axial, w)
+        free = float(np.sum(weight * w**2) - by @ np.linalg.solve(bending, by))
+        return max(free, 0.0) * self.top * self.length**6
 
     def _given(self, x: Floats, y: Floats) -> Floats:
         """Return the strains without warping (..., 2, 3): lateral contraction in flexure, rotation in torsion."""
@@ -226,12 +249,7 @@ def shear_shares(mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats
 
     `about` is the tension centre.
     """
-    found = ShearFields(mesh, about, youngs, shear, nu)
-    products = np.einsum("mq,mqdi,mqdj->mij", found.rule.weight, found.fields, found.fields)
-    shares = np.zeros((len(youngs), 3, 3))
-    np.add.at(shares, mesh.region, products)
-    scale = 1.0 / np.array([1.0, 1.0, found.length])
-    return shares * np.outer(scale, scale) / found.length**2 / found.top**2
+    return ShearFields(mesh, about, youngs, shear, nu).shares()
 
 
 class _Rule:

@@ -83,6 +83,14 @@ class AnySection(Definition):
         )
         return drawing.svg()
 
+    def warping_length(self, material: Material | None = None) -> float | None:
+        """Return over which length from an end that holds its warping a rod resists torsion by it, m.
+
+        It is sqrt(E I_w/(G J)) (V. Z. Vlasov, Thin-walled elastic beams, 1961); None where it is not known.
+        """
+        del material
+        return None
+
     def remarks(self) -> tuple[str, ...]:
         """Return remarks about the formulas used for this section."""
         return ()

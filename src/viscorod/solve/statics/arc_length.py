@@ -16,6 +16,7 @@ from viscorod.solve.statics.newton import (
     SingularMatrixError,
     worst_node,
 )
+from viscorod.solve.statics.parting import parted_by_rounding
 from viscorod.solve.statics.softness import softness
 from viscorod.solve.statics.special_points import Direction, PathPoint
 from viscorod.solve.statics.stability import stability_of
@@ -40,7 +41,7 @@ class ArcLength:
         static: solver of the model; t, before: time of the loads, see ``StaticSolver``.
 
     Attributes:
-        unit: of the load factor.
+        unit: of the load factor; weights: of the components of increments ``(n, 6)`` in the square of a distance.
         iterations: of Newton's method, those of rejected steps among them; report: of the last iteration that failed.
     """
 
@@ -50,7 +51,7 @@ class ArcLength:
         problem = self.system.problem
         length = problem.length
         scale = np.array([length, length, length, 1.0, 1.0, 1.0])
-        self._weights = np.broadcast_to(1.0 / (scale**2 * problem.size), (problem.size, 6))
+        self.weights = np.broadcast_to(1.0 / (scale**2 * problem.size), (problem.size, 6))
         self.iterations = 0
         self.report: NewtonReport | None = None
 
@@ -157,6 +158,20 @@ class ArcLength:
             return point
         return point._replace(softness=softness(self, point.state, point.factor, point.forward.factor))
 
+    def rounded(self, first: PathPoint, last: PathPoint) -> bool:
+        """Return whether no more than rounding parts two points beside a bifurcation."""
+        return not self._by_motion(first, last) and parted_by_rounding(self, first, last)
+
+    def imbalance(self, point: PathPoint) -> Floats:
+        """Return the forces and moments ``(n, 6)`` that are left at the nodes of a point, body components."""
+        self.static.restore(point.state, self.t, before=self.before, scale=point.factor)
+        return self._assemble(point.state, point.factor, tangent=False)[: self.system.problem.size]
+
+    def _by_motion(self, *points: PathPoint) -> bool:
+        """Return whether it is small motions that tell the stability of a point."""
+        found = [self.judged(point).stability for point in points]
+        return any(one is not None and one.by_motion for one in found)
+
     def _failed(self, outcome: Outcome, count: int, size: float, at: int | None = None) -> PathPoint | None:
         """Note why a step failed, and at which node; returns None."""
         problem = self.system.problem
@@ -173,7 +188,7 @@ class ArcLength:
         """Return the product of two increments, or of one with itself."""
         # next to singular matrices this overflows; who asks looks whether it is finite
         with np.errstate(over="ignore", invalid="ignore"):
-            return float(np.sum(self._weights * a * (a if b is None else b)))
+            return float(np.sum(self.weights * a * (a if b is None else b)))
 
     def _assemble(self, state: State, factor: float, *, tangent: bool) -> Floats:
         """Assemble at a load factor; return the imbalance, with the rows of supports."""

@@ -13,7 +13,7 @@ from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.solve.statics.tangent import Inverse
 from viscorod.typing import Floats
 
-__all__ = ["Softness", "softness"]
+__all__ = ["Softness", "softest_motions", "softness"]
 
 COUNT = 4
 """Motions with the smallest stiffness that are looked at."""
@@ -68,7 +68,7 @@ def softness(path: Line, state: State, factor: float, rate: float) -> Softness |
     system = static.system
     try:
         inverse = Inverse(static.tangent(state, path.t, before=path.before, scale=factor))
-        stiffness, motions = _softest(inverse)
+        stiffness, motions = softest_motions(inverse)
         _, per_factor = path.solve(state, factor)
         gone = CHANGE * rate * per_factor
         moved = state.copy()
@@ -83,7 +83,7 @@ def softness(path: Line, state: State, factor: float, rate: float) -> Softness |
     return Softness(stiffness, (then - stiffness) / CHANGE)
 
 
-def _softest(inverse: Inverse) -> tuple[Floats, Floats]:
+def softest_motions(inverse: Inverse) -> tuple[Floats, Floats]:
     """Return the smallest stiffnesses ``(k,)`` and their motions of unit length ``(size, k)``."""
     import scipy.sparse.linalg as spla
 

@@ -100,6 +100,9 @@ class Follower(Protocol):
     def astray(self, at: PathPoint, change: Direction) -> float:
         """Return the part of a change that leads across the direction of a point."""
 
+    def rounded(self, first: PathPoint, last: PathPoint) -> bool:
+        """Return whether no more than rounding parts two points beside a bifurcation."""
+
 
 class _Kind(NamedTuple):
     """What differs on the two sides of a special point."""
@@ -136,16 +139,18 @@ def special_points(
         gap = Direction(
             last.change.increment - first.change.increment, last.change.factor - first.change.factor
         )
-        if path.size(gap) > LARGEST_GAP * (high - low) + EXACT:
+        close = high - low < LOCATED * step
+        apart = path.size(gap) > LARGEST_GAP * (high - low) + EXACT
+        if apart and not (close and path.rounded(first, last)):
             return None
         steepest = max(abs(first.forward.factor), abs(last.forward.factor))
         near = high - low < NARROW * step or high - low < (1.0 if by_motion else 0.01) * EXACT
-        near = near or steepest * (high - low) < FINE * path.unit
+        near = near or apart or steepest * (high - low) < FINE * path.unit
         middle = None if near else _between(path, at, low, high)
         if middle is not None:
             pending.append((middle, (high, last)))
             pending.append(((low, first), middle))
-        elif high - low < LOCATED * step and (path.size(gap) < MEETING or path.astray(at, gap) < ASTRAY):
+        elif close and (apart or _meet(path, at, first, last, gap) or path.rounded(first, last)):
             place = path.judged(last if low == 0.0 else first)
             if found and low - found[-1].until < max(SAME * step, EXACT):
                 found[-1] = found[-1]._replace(after=after, until=high)
@@ -170,6 +175,16 @@ class _Located(NamedTuple):
         limit = self.before.growing != self.after.growing
         branches = max(abs(self.after.divergent - self.before.divergent) - int(limit), 0)
         return SpecialPoint(self.point, limit, branches, self.after.oscillating != self.before.oscillating)
+
+
+def _meet(path: Follower, at: PathPoint, first: PathPoint, last: PathPoint, gap: Direction) -> bool:
+    """Return whether two points are near to each other, or as much along the path, as those of one path.
+
+    A path that turns sharply between ``at`` and the two, as at a limit point, leads from one to the other by their own
+    directions; where two paths are nearest to each other what parts them is across both.
+    """
+    near = path.size(gap) < MEETING or path.astray(at, gap) < ASTRAY
+    return near or max(path.astray(first, gap), path.astray(last, gap)) < ASTRAY
 
 
 def _between(path: Follower, at: PathPoint, low: float, high: float) -> tuple[float, PathPoint] | None:
