@@ -82,7 +82,7 @@ kernels: $(VENV)/.stamp-test
 
 # Tests of kernels, in pure Python: lines of compiled code cannot be counted.
 KERNEL_TESTS := $(patsubst %,tests/unit/test_%.py,element_kernels collocation_kernels intrinsic_kernels motion_kernels \
-  joint_coordinates settled_multipliers load_courses angular_variation assembly_tangent system_tangent block_matrices direct_solvers tableau callback)
+  joint_coordinates settled_multipliers load_courses table_motions angular_variation assembly_tangent system_tangent block_matrices direct_solvers tableau callback)
 MACHINE_CODE := tests/unit/test_direct_solvers.py::test_machine_code_on_disk_calls_the_functions_of_this_process
 # High orders and lattices take a minute in pure Python, and reach no line that low orders and chains do not.
 REACHING_NO_MORE := lattice or high or match_finite_differences[4-

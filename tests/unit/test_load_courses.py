@@ -65,9 +65,12 @@ def test_sums_are_the_same_bit_for_bit(t, before):
     model.add("box", vr.Body.box((0.35, 0, 0), (0.1, 0.1, 0.1), 10.0, points={"corner": (0.4, 0.05, 0.05)}))
     model.attach("rod.end", "box")
     model.force("box.corner", (1.0, 2.0, 3.0), time=FUNCTIONS[3])
+    for function in FUNCTIONS[:3]:
+        model.drag("rod", linear_across=0.1, time=function, until=0.28)
     problem = discretise(model)
     loads = ExternalLoads(problem)
-    sums = LoadSums.of(1, len(problem.nodal_loads), problem.size, offset=loads.offset)
+    count, places = len(problem.nodal_loads) + len(problem.motion_loads), len(loads.motion.nodes)
+    sums = LoadSums.of(1, count, problem.size, places=places, offset=loads.offset)
     expected = loads.at(t, before)
     assert loads.offset
     for _ in range(2):  # nothing is done again where factors stay
@@ -76,6 +79,7 @@ def test_sums_are_the_same_bit_for_bit(t, before):
         np.testing.assert_array_equal(sums.following[0], expected.following)
         np.testing.assert_array_equal(sums.gravity[0], expected.gravity)
         np.testing.assert_array_equal(sums.levers[0], expected.levers)
+        np.testing.assert_array_equal(sums.moving[0], expected.factors)
         assert sums.acting[0] == float(len(expected.nodes) > 0)
 
 

@@ -142,6 +142,55 @@ def loaded_by_python():
     return driven_by(rz=vr.Sine(2.0, amplitude=0.5), load=OwnSine(3.0))
 
 
+TABLE = [0.0, 0.1, 0.2, 0.3, 0.4, 0.5], [0.0, 0.2, 0.25, 0.0, -0.2, -0.1]
+
+
+def driven_by_tables():
+    """By a spline, by straight lines with jumps of the velocity, and by cubics that are monotone."""
+    times, values = TABLE
+    small = [0.05 * value for value in values]
+    return driven_by(
+        rz=vr.TimeTable(times, values, "cubic"),
+        uy=vr.TimeTable(times, small),
+        ux=vr.TimeTable(times, small, "monotone"),
+    )
+
+
+class OwnTable(vr.TimeTable):
+    """A table that Python is asked for, since it might be another function."""
+
+
+def driven_by_a_table_in_python():
+    """Python is asked for the motion, and for what it does within steps."""
+    return driven_by(rz=OwnTable(*TABLE, "cubic"))
+
+
+def shaken_by_a_record():
+    """A force of so many rows that steps see its moments, and what these leave out."""
+    model = clamped()
+    times = np.linspace(0.0, 0.5, 1001)
+    model.force("rod.end", (0, 0.01, 0), time=vr.TimeTable(times, np.sin(60.0 * times) * np.sin(9.0 * times)))
+    return model
+
+
+def dragged():
+    """Through a medium that resists, and in a wind that grows and stops, beside a force."""
+    model = clamped()
+    model.drag("rod", linear_across=0.02, linear_along=0.01, linear_about=1e-6)
+    wind = {"velocity": (0, 3.0, 0.5), "density": 1.2, "width": 0.01}
+    table = vr.TimeTable([0.0, 0.2, 0.4], [0.0, 1.0, 0.5])
+    model.drag("rod", coefficient_across=1.2, coefficient_along=0.01, time=table, until=0.5, **wind)
+    model.force("rod.end", (0, 0.01, 0), time=vr.Sine(3.0))
+    return model
+
+
+def dragged_by_python():
+    """Python is asked for the factor of the drag, and for Jacobians."""
+    model = falling()
+    model.drag("rod", linear_across=0.05, time=OwnSine(3.0, amplitude=0.2, offset=1.0))
+    return model
+
+
 def held_in_part():
     """A pin lets it turn, and a guide along an oblique axis slide."""
     model = falling()
@@ -220,6 +269,13 @@ def bent_out_of_two():
         (driven_in_all_ways, {"tolerance": 1e-3, "output_interval": 0.04}),
         (driven_by_python, {"tolerance": 1e-4}),
         (loaded_by_python, {"tolerance": 1e-4}),
+        (driven_by_tables, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (driven_by_tables, {"tolerance": 1e-2}),
+        (driven_by_a_table_in_python, {"tolerance": 1e-4}),
+        (shaken_by_a_record, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (dragged, {"tolerance": 1e-4, "output_interval": 0.02}),
+        (dragged, {}),
+        (dragged_by_python, {"tolerance": 1e-3}),
         (held_in_part, {"tolerance": 1e-4, "output_interval": 0.02}),
         (held_in_part, {}),
         (sleeve, {"tolerance": 1e-3}),
@@ -328,6 +384,22 @@ def test_who_is_patient_is_told_the_last_of_some_steps(taken, monkeypatch):
     assert len(every.ends) == run.effort.steps > len(last.ends) > 1
     assert last.ends == [every.ends[k] for k in ends]
     assert last.lengths == [every.lengths[k] for k in ends]
+
+
+def test_functions_of_the_user_are_told_of_every_step(taken):
+    """What they do may depend on it, so their steps are taken one by one, and each is told before the next."""
+    told, seen = [], []
+
+    def time(t):
+        seen.append(len(told))
+        return np.sin(40.0 * t)
+
+    model = clamped()
+    model.force("rod.end", (0, 0.01, 0), time=time)
+    run = model.simulate(0.2, initial="reference", tolerance=1e-3, progress=lambda t, h: told.append(t))
+    assert not taken
+    assert len(told) == run.data.attrs["steps"]
+    assert set(range(len(told))) <= set(seen)
 
 
 def test_machine_code_is_loaded_for_long_runs_only(taken, monkeypatch):

@@ -31,6 +31,7 @@ from viscorod.mechanics.compilation.compiled import (
 )
 from viscorod.mechanics.compilation.machine_code import cache_folder
 from viscorod.model.actions.time_function import Ramp
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.materials.material import KelvinVoigt, Material
 from viscorod.model.rod import Rod
 from viscorod.model.sections.cubic_bending import CubicBending
@@ -174,7 +175,7 @@ def small_model() -> Model:
     model.add("beam", rod((0, 0, SIZE), (SIZE, 0, SIZE)))
     model.attach("post.end", "beam.start")
     still = Ramp(0.0, SPAN, 0.0)
-    model.clamp("post.start", motion={"rz": still})
+    model.clamp("post.start", motion={"rz": still, "ry": TimeTable((0.0, SPAN), (0.0, 0.0), "cubic")})
     model.support("beam.end", fixed=["uy"], motion={"rx": still})
     model.gravity()
     model.force("beam.end", (0, 0, 1e-3), following=True)

@@ -41,6 +41,7 @@ class LoadCourses(NamedTuple):
             is zero [s], inf for none ``(k,)``.
         dead, following, levers: wrenches ``(rows, 6)`` and levers ``(rows, 3, 3)``, as in ``add_nodal_loads``.
         gravity: ``(k, 3)``.
+        moving: of loads that see motion, which come last: numbers of their places, and lengths that these stand for.
     """
 
     formulas: Integers
@@ -51,19 +52,22 @@ class LoadCourses(NamedTuple):
     following: Rows
     levers: Rows
     gravity: Floats
+    moving: Rows
 
     @classmethod
     def none(cls) -> LoadCourses:
         """Return no loads."""
         nothing, single = np.zeros(0, dtype=np.int64), np.zeros(1, dtype=np.int64)
         wrenches, levers = Rows(single, nothing, np.zeros((0, 6))), Rows(single, nothing, np.zeros((0, 3, 3)))
-        return cls(nothing, nothing, np.zeros(0), np.zeros(0), wrenches, wrenches, levers, np.zeros((0, 3)))
+        loads = wrenches, wrenches, levers, np.zeros((0, 3)), Rows(single, nothing, np.zeros(0))
+        return cls(nothing, nothing, np.zeros(0), np.zeros(0), *loads)
 
 
 class LoadSums(NamedTuple):
     """All loads at some instants (first index), as in ``add_nodal_loads``, and whether there are any.
 
-    ``factors`` are those of the single loads, not a number where nothing has been summed yet.
+    ``factors`` are those of the single loads, not a number where nothing has been summed yet; ``moving`` are those
+    of the places of loads that see motion, lengths included.
     """
 
     factors: Floats
@@ -72,10 +76,11 @@ class LoadSums(NamedTuple):
     following: Floats
     gravity: Floats
     levers: Floats
+    moving: Floats
 
     @classmethod
-    def of(cls, instants: int, loads: int, nodes: int, *, offset: bool) -> LoadSums:
-        """Allocate; ``offset``: any dead force acts at an arm."""
+    def of(cls, instants: int, loads: int, nodes: int, *, places: int = 0, offset: bool) -> LoadSums:
+        """Allocate; ``places``: of loads that see motion; ``offset``: any dead force acts at an arm."""
         return cls(
             np.full((instants, loads), np.nan),
             np.zeros(instants),
@@ -83,6 +88,7 @@ class LoadSums(NamedTuple):
             np.zeros((instants, nodes, 6)),
             np.zeros((instants, 3)),
             np.zeros((instants, nodes if offset else 0, 3, 3)),
+            np.zeros((instants, places)),
         )
 
 
@@ -176,6 +182,14 @@ def add_levers(factor: float, k: int, rows: Rows, sums: Floats) -> bool:
 
 
 @exact_part
+def write_places(factor: float, k: int, rows: Rows, places: Floats) -> None:
+    """Write the factors of the places of a load that sees motion."""
+    first, numbers, lengths = rows.first, rows.nodes, rows.values
+    for row in range(first[k], first[k + 1]):
+        places[numbers[row]] = factor * lengths[row]
+
+
+@exact_part
 def clear_sums(dead: Floats, following: Floats, gravity: Floats, levers: Floats) -> None:
     """Set the sums of one instant to zero."""
     for k in range(dead.shape[0]):
@@ -204,6 +218,7 @@ def sum_loads(given: LoadCourses, t: float, before: bool, i: int, sums: LoadSums
     any_load = False
     for k in range(factors.shape[0]):
         factor = factors[k]
+        write_places(factor, k, given.moving, sums.moving[i])
         if factor == 0.0:
             continue
         # all of them: what comes after an "or" that is true is not computed

@@ -1,7 +1,7 @@
 """Prescribed motions of supports that are known functions of time, at one instant in compiled code.
 
 Values are those of ``load_courses``; the formulas of their rates and accelerations are those of
-``model.actions.time_function``: every number is the same, bit for bit. Tables are not among them.
+``model.actions.time_function`` and ``time_table``: every number is the same, bit for bit.
 """
 
 from __future__ import annotations
@@ -12,10 +12,18 @@ from typing import NamedTuple
 import numpy as np
 
 from viscorod.mechanics.compilation.compiled import exact_part
-from viscorod.mechanics.nodes.load_courses import RAMP, SINE, SMOOTH_RAMP, SPIN_UP, course_at
+from viscorod.mechanics.nodes.load_courses import (
+    RAMP,
+    SINE,
+    SMOOTH_RAMP,
+    SPIN_UP,
+    TABLE,
+    course_at,
+    interval_of,
+)
 from viscorod.typing import Floats, Integers
 
-__all__ = ["MotionCourses", "write_motion"]
+__all__ = ["MotionCourses", "rates_at", "write_motion"]
 
 _TWO_PI = 2.0 * math.pi
 
@@ -44,8 +52,22 @@ class MotionCourses(NamedTuple):
 
 
 @exact_part
+def table_rates(numbers: Floats, first: int, t: float, before: bool) -> tuple[float, float]:
+    """Return the first and second derivative of a table, without the spikes of jumps and corners."""
+    rows, times = int(numbers[first]), first + 1
+    interval = interval_of(numbers, times, rows, t, before)
+    if interval < 0 or interval >= rows - 1:
+        return 0.0, 0.0
+    c, x = times + 2 * rows + 4 * interval, t - numbers[times + interval]
+    c1, c2, c3 = numbers[c + 1], numbers[c + 2], numbers[c + 3]
+    return c1 + x * (2.0 * c2 + x * 3.0 * c3), 2.0 * c2 + x * 6.0 * c3
+
+
+@exact_part
 def rates_at(formula: int, numbers: Floats, first: int, t: float, before: bool) -> tuple[float, float]:
     """Return the first and second derivative of a function of time at ``t`` [s]; ``before``: limits from the left."""
+    if formula == TABLE:
+        return table_rates(numbers, first, t, before)
     a, b = numbers[first], numbers[first + 1]
     if formula == SINE:
         omega, phase = numbers[first + 2], numbers[first + 3]

@@ -140,6 +140,12 @@ class TimeTable(TimeFunction):
             )
         return times, values
 
+    @cached_property
+    def _rows(self) -> tuple[Floats, Floats]:
+        """Times and values in arrays."""
+        times, values = self._points
+        return np.array(times), np.array(values)
+
     @property
     def _coefficients(self) -> Floats:
         return self._curve[0]
@@ -200,13 +206,13 @@ class TimeTable(TimeFunction):
 
     def at(self, t: Floats) -> Floats:
         """Return the values at many times, after jumps."""
-        times, values = np.array(self._points[0]), self._points[1]
+        times, values = self._rows
         k = np.searchsorted(times, t, side="right") - 1
         inside = np.clip(k, 0, len(times) - 2)
         x = t - times[inside]
         c0, c1, c2, c3 = np.moveaxis(self._coefficients[inside], -1, 0)
         found = c0 + x * (c1 + x * (c2 + x * c3))
-        return np.where(k < 0, values[0], np.where(k >= len(times) - 1, values[-1], found))
+        return np.asarray(np.where(k < 0, values[0], np.where(k >= len(times) - 1, values[-1], found)))
 
     @property
     def breakpoints(self) -> tuple[float, ...]:

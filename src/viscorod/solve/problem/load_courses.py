@@ -15,6 +15,7 @@ from viscorod.model.actions.load_effects import TimeFactor
 from viscorod.model.actions.time_function import Constant, Ramp, Sine, SmoothRamp, SpinUp, TimeFunction, Until
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.external_loads import ExternalLoads, LoadRows
+from viscorod.solve.problem.problem import Problem
 
 __all__ = ["course_loads", "known_course"]
 
@@ -40,16 +41,17 @@ def known_course(function: TimeFunction) -> tuple[int, Sequence[float]] | None:
 
 
 def course_loads(loads: ExternalLoads) -> LoadCourses | None:
-    """Return the loads of a problem; None if some are no loads of nodes, or other functions of time."""
+    """Return the loads of a problem; None if some act between nodes, or are other functions of time."""
     problem = loads.problem
-    if problem.station_loads or problem.motion_loads:
+    if problem.station_loads:
         return None
     formulas: list[int] = []
     begins: list[int] = []
     until: list[float] = []
     numbers: list[float] = []
-    for load in problem.nodal_loads:
-        found = _course(load.factor)
+    factors = [load.factor for load in problem.nodal_loads] + [load.factor for load in problem.motion_loads]
+    for factor in factors:
+        found = _course(factor)
         if found is None:
             return None
         formula, given, over = found
@@ -58,16 +60,27 @@ def course_loads(loads: ExternalLoads) -> LoadCourses | None:
         until.append(over)
         numbers += [*given, 0.0]  # one more, which the shortest formula is asked for and does not use
     dead, following, levers = zip(*loads.rows, strict=True) if loads.rows else ((), (), ())
+    no_rows = (None,) * len(problem.motion_loads)
+    gravity = [load.gravity for load in problem.nodal_loads] + [np.zeros(3) for _ in no_rows]
     return LoadCourses(
         np.array(formulas, dtype=np.int64),
         np.array(begins, dtype=np.int64),
         np.array(numbers),
         np.array(until),
-        _gathered(dead, (6,)),
-        _gathered(following, (6,)),
-        _gathered(levers, (3, 3)),
-        np.array([load.gravity for load in problem.nodal_loads]).reshape(-1, 3),
+        _gathered((*dead, *no_rows), (6,)),
+        _gathered((*following, *no_rows), (6,)),
+        _gathered((*levers, *no_rows), (3, 3)),
+        np.array(gravity).reshape(-1, 3),
+        _places(problem),
     )
+
+
+def _places(problem: Problem) -> Rows:
+    """Return the places of the loads that see motion, one load after the other behind those that do not."""
+    counts = [0] * len(problem.nodal_loads) + [len(load.lengths) for load in problem.motion_loads]
+    lengths = np.concatenate([np.zeros(0), *(load.lengths for load in problem.motion_loads)])
+    first = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    return Rows(first, np.arange(len(lengths), dtype=np.int64), lengths)
 
 
 def _course(factor: TimeFactor) -> tuple[int, Sequence[float], float] | None:

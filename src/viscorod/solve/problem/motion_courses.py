@@ -3,27 +3,27 @@
 from __future__ import annotations
 
 import numpy as np
+from numpy.polynomial import legendre
 
-from viscorod.mechanics.nodes.load_courses import TABLE
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
+from viscorod.mechanics.nodes.table_motions import TableMotions
+from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.load_courses import known_course
 from viscorod.solve.problem.problem import SupportSet
+from viscorod.typing import Floats
 
-__all__ = ["course_motions"]
+__all__ = ["course_motions", "hermite_terms", "samples_of", "table_motions"]
 
 
 def course_motions(supports: SupportSet) -> MotionCourses | None:
-    """Return the motions of supports; None if some are other functions of time.
-
-    So are tables: what they do within steps is looked at, which the loop does not.
-    """
+    """Return the motions of supports; None if some are other functions of time."""
     where: list[tuple[int, int]] = []
     formulas: list[int] = []
     begins: list[int] = []
     numbers: list[float] = []
     for support, component, motion in supports.motions:
         known = known_course(motion)
-        if known is None or known[0] == TABLE:
+        if known is None:
             return None
         formula, given = known
         where.append((support, component))
@@ -38,4 +38,44 @@ def course_motions(supports: SupportSet) -> MotionCourses | None:
         np.array(begins, dtype=np.int64),
         np.array(numbers),
         np.zeros((len(supports.nodes), 6)),
+    )
+
+
+def hermite_terms(instants: Floats) -> Floats:
+    """Return what makes Legendre coefficients ``(2 i, 2 i)`` of values and slopes at ``instants (i,)`` of a step."""
+    through = 2.0 * instants - 1.0
+    basis = np.eye(2 * len(through))
+    slopes = 2.0 * legendre.legval(through, legendre.legder(basis)).T
+    values = legendre.legval(through, basis).T
+    return np.ascontiguousarray(np.linalg.inv(np.concatenate([values, slopes])))
+
+
+def samples_of(table: TimeTable) -> tuple[Floats, Floats]:
+    """Return times and values of a table, at its rows and in the middle between."""
+    times = np.sort(np.concatenate([table.knots, 0.5 * (table.knots[1:] + table.knots[:-1])]))
+    return times, table.at(times)
+
+
+def table_motions(supports: SupportSet, length: float, nodes: Floats) -> TableMotions | None:
+    """Return the motions that are tables as compiled code knows them, None if there are none.
+
+    Args:
+        supports: of a problem of this ``length`` [m]; nodes: of the method, as parts of a step.
+    """
+    tables = [(motion, component) for _, component, motion in supports.motions if type(motion) is TimeTable]
+    if not tables:
+        return None
+    numbers = [motion.numbers for motion, _ in tables]
+    samples = [samples_of(motion) for motion, _ in tables]
+    instants = np.concatenate([[0.0], nodes])
+    return TableMotions(
+        np.cumsum([0, *map(len, numbers[:-1])], dtype=np.int64),
+        np.concatenate(numbers),
+        np.cumsum([0, *(len(times) for times, _ in samples)], dtype=np.int64),
+        np.concatenate([times for times, _ in samples]),
+        np.concatenate([values for _, values in samples]),
+        np.array([length if component < 3 else 1.0 for _, component in tables]),
+        instants,
+        hermite_terms(instants),
+        *np.zeros((2, 2 * len(instants))),
     )

@@ -14,8 +14,11 @@ from collections.abc import Callable
 import numpy as np
 from numpy.polynomial import legendre
 
+from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.nodes.table_motions import furthest_motion
 from viscorod.model.actions.function_of_time import FunctionOfTime
 from viscorod.model.actions.time_table import TimeTable
+from viscorod.solve.problem.motion_courses import hermite_terms, samples_of, table_motions
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
@@ -38,6 +41,8 @@ class StepContent:
         courses: of loads given as records, by their number: factors at the stages of the step ``(s,)``.
         rest: of loads by number: what the stages do not show, root mean square of a record, largest of a function.
         gap: distance of prescribed motions from what the stages show of them: over the length, or in rad.
+        tables: motions that compiled code knows, if there are any; alone: there is nothing else to look at.
+        asks: loads or motions are functions of the user's.
     """
 
     def __init__(self, problem: Problem, nodes: Floats, duration: float) -> None:
@@ -47,9 +52,7 @@ class StepContent:
         self._records, self._ends = problem.records, problem.record_ends
         through = 2.0 * np.concatenate([[0.0], nodes]) - 1.0
         self._through = np.linalg.inv(legendre.legvander(through, len(nodes)))
-        basis = np.eye(2 * len(through))
-        slopes = 2.0 * legendre.legval(through, legendre.legder(basis)).T
-        self._hermite = np.linalg.inv(np.concatenate([legendre.legval(through, basis).T, slopes]))
+        self._hermite = hermite_terms(np.concatenate([[0.0], nodes]))
         factors: dict[int, Callable[[float, bool], float]] = {}
         for loads in (problem.nodal_loads, problem.motion_loads, problem.station_loads):
             factors |= {load.load: load.factor for load in loads}
@@ -61,8 +64,12 @@ class StepContent:
         self._motions = [
             (motion, component < 3, *_course(motion, duration))
             for _, component, motion in problem.supports.motions
-            if isinstance(motion, TimeTable | FunctionOfTime)
+            if isinstance(motion, TimeTable | FunctionOfTime) and type(motion) is not TimeTable
         ]
+        self.tables = table_motions(problem.supports, problem.length, nodes)
+        self.alone = not (self._records or self._functions or self._motions)
+        self.asks = bool(self._functions) or any(isinstance(f, FunctionOfTime) for f, *_ in self._motions)
+        self._furthest = KnownTypes(furthest_motion)
         self.courses: dict[int, Floats] = {}
         self.rest: dict[int, float] = {}
         self.gap = 0.0
@@ -94,7 +101,7 @@ class StepContent:
                 left = _furthest(shown, (times[among] - start) / h, values[among])
                 if left > 0.0:
                     self.rest[number] = left
-        self.gap = 0.0
+        self.gap = 0.0 if self.tables is None else self._furthest.call(self.tables, start, end)
         for motion, shift, times, values in self._motions:
             among = slice(*np.searchsorted(times, [start, end], side="right"))
             if among.start < among.stop:
@@ -164,5 +171,4 @@ def _course(motion: TimeTable | FunctionOfTime, duration: float) -> tuple[Floats
     """Return times and values of a prescribed motion: those of a table, or samples of a function."""
     if isinstance(motion, FunctionOfTime):
         return _scan(motion, duration, motion.value)
-    times = np.sort(np.concatenate([motion.knots, 0.5 * (motion.knots[1:] + motion.knots[:-1])]))
-    return times, motion.at(times)
+    return samples_of(motion)

@@ -9,8 +9,10 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.branch_memory import BranchRows
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.nodes.inertia import kinetic_energy
+from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.mechanics.nodes.support_rows import project_twists
+from viscorod.mechanics.nodes.table_motions import furthest_motion
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.formulations.geometric_system import GeometricSystem
@@ -18,6 +20,7 @@ from viscorod.solve.linear.factors import Factors
 from viscorod.solve.transient.integrators import kernel_results
 from viscorod.solve.transient.integrators.loop_data import (
     Addresses,
+    LoopLoads,
     LoopModel,
     LoopState,
     LoopSystems,
@@ -32,7 +35,7 @@ __all__ = ["NOWHERE", "find_addresses"]
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
 
-_known: dict[tuple[int, bool, bool, bool, bool], Addresses] = {}
+_known: dict[tuple[int | bool, ...], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
 
 
@@ -43,22 +46,28 @@ def find_addresses(
     systems: LoopSystems,
     states: Between,
     renewal: Renewal,
+    loads: LoopLoads,
     number: int,
 ) -> Addresses:
     """Return the addresses of all kernels, for the types of an integrator's arrays and of the loop's, but of Python's.
 
     Args:
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
-        renewal: of Jacobians; number: of the kind of loop.
+        renewal: of Jacobians; loads: that the loop knows; number: of the kind of loop.
     """
     renews = _renews(integrator)
-    supports = integrator.supports
-    key = number, renews, integrator.dashpots is None, supports.moving, len(supports.partial) > 0
+    supports, moving = integrator.supports, integrator.actions.loads.motion
+    there = supports.moving, len(supports.partial) > 0, len(moving.nodes) > 0, len(loads.tables.begins) > 0
+    key = number, renews, integrator.dashpots is None, *there
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
         kernels |= _of_records(integrator, model, given, states)
         kernels |= _of_branches(integrator) | _of_supports(integrator, model, given)
+        if len(loads.tables.begins):
+            kernels["furthest"] = address_of(
+                KnownTypes(furthest_motion), kernel_results.REAL, lambda: (loads.tables, 0.0, 1.0)
+            )
         if renews:
             kernels |= _of_jacobians(integrator, given, renewal)
         found = _known[key] = NOWHERE._replace(**kernels)
@@ -215,7 +224,14 @@ def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[s
         return address_of(kernel, kernel_results.NOTHING, lambda: arguments)
 
     pulled = body.loaded, now.q, *acting, True, known.external, out.blocks, diagonal
-    return {
+    found = {}
+    if len(loads.motion.nodes):
+        moved = loads.motion, loads.motion_factors[0], now.r, now.q, now.twist, known.external
+        tangent = MotionTangent(known.ad, out.blocks, out.rate_blocks, diagonal)
+        found["add_moving"] = address_of(
+            KnownTypes(add_motion_loads), kernel_results.REAL, lambda: (*moved, tangent, loads.motion_work)
+        )
+    return found | {
         "adjoint": address(integrator.adjoints, now.twist, known.ad),
         "assemble": address(assembly, *elements, now.r, now.q, now.twist, True, known.ad, True, out),
         "collect": address(collection, *elements, matrices.operators),

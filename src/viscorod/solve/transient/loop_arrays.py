@@ -7,6 +7,7 @@ import numpy as np
 from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
+from viscorod.mechanics.nodes.table_motions import TableMotions
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.transient import amplitude
@@ -122,7 +123,7 @@ def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.B
         np.zeros(MOST_STEPS),
         np.zeros(MOST_STEPS),
         np.zeros((3, MOST_STEPS), dtype=np.int64),
-        np.zeros((MOST_STEPS + 1, 4)),
+        np.zeros((MOST_STEPS + 1, 5)),
         np.zeros((MOST_STEPS + 1, branches)),
         np.zeros(rows),
         np.full(rows + 1, 0.5),
@@ -193,12 +194,16 @@ def _loads(
 ) -> loop_data.LoopLoads:
     """Return the loads, which the loop writes to where steps read them."""
     given, at, offset = integrator.task.loads, len(integrator.body.mass), integrator.actions.loads.offset
+    places, content = len(given.motion.nodes), integrator.actions.content
+    tables = None if content is None or motions is None else content.tables
     known = LoadCourses.none() if courses is None else courses
     count = len(known.formulas)
     unknown = np.full((len(given.acting), count), np.nan)
-    stages = LoadSums(unknown, given.acting, given.dead, given.following, given.gravity, given.levers)
+    sums = given.acting, given.dead, given.following, given.gravity, given.levers, given.motion_factors
     moved = MotionCourses.none() if motions is None else motions
-    return loop_data.LoopLoads(known, moved, stages, LoadSums.of(1, count, at, offset=offset))
+    seen = TableMotions.none() if tables is None else tables
+    start = LoadSums.of(1, count, at, places=places, offset=offset)
+    return loop_data.LoopLoads(known, moved, seen, LoadSums(unknown, *sums), start)
 
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:

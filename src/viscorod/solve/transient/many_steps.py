@@ -12,6 +12,7 @@ from viscorod.mechanics.compilation.callback import Callback
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.compilation.shared import Shared
+from viscorod.model.actions.load_effects import CompiledLaw
 from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
@@ -75,13 +76,17 @@ class ManySteps:
         output_interval: float | None,
     ) -> None:
         self.integrator, self.control = integrator, control
-        courses, motions = course_loads(integrator.actions.loads), course_motions(integrator.supports.set)
+        content = integrator.actions.content
+        motions = course_motions(integrator.supports.set)
+        courses = course_loads(integrator.actions.loads)
         self._loop = loop_arrays(integrator, control, duration, output_interval, courses, motions)
         self._factors = integrator.systems.factors
         self._shared: Shared[loop_data.StepLoop] | None = None
         self._callbacks: list[Callback] = []
         self._loads_known = courses is not None
-        self._known = courses is not None and motions is not None
+        # of records, which are known, steps see the moments
+        seen = content is None or content.alone
+        self._known = courses is not None and motions is not None and seen
         self._steps = KnownTypes(step_loop.take_steps)
         self._began = 0.0  # of the steps that are taken at once [s]
 
@@ -101,15 +106,16 @@ class ManySteps:
         """
         if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
             return None
-        problem, systems = integrator.system.problem, integrator.systems
+        problem, systems, content = integrator.system.problem, integrator.systems, integrator.actions.content
         serves = (
             problem.size <= MOST_NODES
-            and not (problem.constrained or problem.motion_loads)
+            and not problem.constrained
+            and all(isinstance(load.law, CompiledLaw) for load in problem.motion_loads)
+            and not (content is not None and content.asks)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
             and not (integrator.supports.moving and len(integrator.supports.partial))
             and systems.real.plan.banded
             and not len(integrator.tableau.exact_inside)
-            and integrator.actions.content is None
             and _serves(integrator.tolerance)
             and _worth_loading(integrator, long=long)
         )
@@ -203,9 +209,8 @@ class ManySteps:
     def bring(self, account: EnergyAccount) -> None:
         """Bring the energy account to the end of the steps taken."""
         steps = int(self._loop.numbers[loop_data.STEPS])
-        account.kinetic, account.elastic, account.viscous, account.external = self._loop.batch.accounts[
-            steps
-        ].tolist()
+        found = self._loop.batch.accounts[steps].tolist()
+        account.kinetic, account.elastic, account.viscous, account.external, account.outside = found
         account.branches = self._loop.batch.lost[steps].copy()
 
     def compile(self) -> None:
@@ -223,18 +228,16 @@ class ManySteps:
             return None
         of_step, places = batch.of_step[:rows], batch.places[:rows]
         states = self._states(slice(rows))
-        kinetic, work, loss, _ = batch.states.energies[:, :rows]
+        kinetic, work, loss, outside, _ = batch.states.energies[:, :rows]
         steps = int(self._loop.numbers[loop_data.STEPS])
         accounts = np.zeros((steps + 1, 8))
-        accounts[:, :4], accounts[:, 5:] = (
-            batch.accounts[: steps + 1],
-            (account.outside, account.actuator, account.start),
-        )
+        accounts[:, :4], accounts[:, 5] = batch.accounts[: steps + 1, :4], batch.accounts[: steps + 1, 4]
+        accounts[:, 6:] = account.actuator, account.start
         moving, bent, lost, given, _, out, moved, start = accounts.T
         accounts[:, 4] = moving + bent + lost + out - (given + moved + start)
         nothing = np.zeros(rows)
         last = accounts[of_step + 1, 4]
-        energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, nothing, nothing))
+        energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, outside, nothing))
         ended = places == 1.0
         energies[ended] = accounts[of_step[ended] + 1, :7]
         branches = batch.lost[of_step] + batch.branches.loss[:rows]
@@ -250,7 +253,7 @@ class ManySteps:
         """Return the states in some rows, in arrays of their own."""
         found = self._loop.batch.states
         strain, rate, force = found.fields.points[:, rows].copy()
-        kinetic, _, _, elastic = found.energies[:, rows].copy()
+        kinetic, *_, elastic = found.energies[:, rows].copy()
         branches, power, spring = self._loop.batch.branches, None, None
         if self.integrator.dashpots is not None:
             power, spring = branches.power[rows].copy(), branches.strain[rows].copy()
@@ -297,8 +300,11 @@ class ManySteps:
             follows, begun = self._loop.state.follows, integrator.tolerance.start
             follows.r[:], follows.q[:] = begun.r, begun.q
         self._loop.loads.stages.factors[:] = np.nan  # what steps read may be Python's
-        batch.notes[0], batch.states.energies[3] = 0, 0.0
-        batch.accounts[0] = account.kinetic, account.elastic, account.viscous, account.external
+        batch.notes[0], batch.states.energies[4] = 0, 0.0
+        batch.accounts[0] = (
+            *(account.kinetic, account.elastic, account.viscous, account.external),
+            account.outside,
+        )
         batch.lost[0] = account.branches
 
     def _finish(self) -> None:
@@ -322,20 +328,23 @@ class ManySteps:
         if moved:
             end = StepEnd(*(field.copy() for field in given.end))
             start = old, self._loop.state.points[0].copy(), self._loop.state.reactions[0].copy()
-            h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.HAD].tolist()
-            kinetic, elastic, work, loss = energies
-            self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, work, loss), strain))
+            h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.GAP].tolist()
+            kinetic, elastic, work, loss, outside = energies
+            shares = work, loss, outside
+            self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, *shares), strain))
 
     def _addressed(self) -> Shared[loop_data.StepLoop]:
         """Return what the loop works on, in memory, with all addresses in it."""
         if self._shared is None:
             loop = self._loop
             self._shared = Shared(loop)
-            arrays = loop.model, loop.state, loop.systems, loop.batch.states, loop.renewal
+            arrays = loop.model, loop.state, loop.systems, loop.batch.states, loop.renewal, loop.loads
             calls = find_addresses(self.integrator, *arrays, self._shared.number)
             asked = {} if self._known else {"prepare": self._called(self._call_prepare)}
             if not (self._loads_known and calls.assemble):
                 asked["renew"] = self._called(self._call_renew)
+            if not self._known and self.integrator.actions.content is not None:
+                asked["unseen"] = self._called(self._call_unseen)
             self._shared.put("calls", calls._replace(**asked))
         return self._shared
 
@@ -352,6 +361,10 @@ class ManySteps:
     def _call_prepare(self, message: Floats) -> None:
         self.integrator.t = float(message[0])
         self.integrator.prepare_step(float(message[1]), bool(message[2]))
+
+    def _call_unseen(self, message: Floats) -> None:
+        self.integrator.t = float(message[0])
+        message[1], message[2] = self.integrator.unseen()
 
 
 def _serves(tolerance: Tolerance) -> bool:

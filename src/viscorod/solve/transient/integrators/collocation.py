@@ -163,8 +163,8 @@ class Collocation(StageModel):
     def take_step(self, step: StepTaken) -> None:
         """Take the last step of the compiled loop, which ends at the present state, as the last one."""
         self._end, self._step = self.t, step.h
-        self.kinetic, self.elastic, self.work, self.loss = step.energies
-        self.outside, self._end_rate = 0.0, step.end.rate
+        self.kinetic, self.elastic, self.work, self.loss, self.outside = step.energies
+        self._end_rate = step.end.rate
         self.predictor.keep(step.start[0], step.h)
         self.recorder.take_over(step.start, step.end, step.strain)
         self.recorder.record_end(self.state, self.kinetic, self.elastic)
@@ -208,12 +208,9 @@ class Collocation(StageModel):
 
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        states, work, loss, nothing = self.recorder.between(
+        states, work, loss, outside, actuator = self.recorder.between(
             parts, self.t, self._step, self.state, self._end_rate, self.account.powers, self.loss
         )
-        outside = actuator = nothing
-        if len(self.actions.loads.motion.nodes):  # only loads that see motion dissipate anything
-            outside = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[2])
         if len(self.stages.rest):
             actuator = self._step * (self.tableau.partial_weights(parts) @ self.account.powers[3])
         if self.dashpots is None:
@@ -255,7 +252,7 @@ class Collocation(StageModel):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         self.actions.content = StepContent.of(self.system.problem, self.tableau.nodes, duration)
 
-    def _unseen(self) -> tuple[float, int]:
+    def unseen(self) -> tuple[float, int]:
         """Return the displacement, over the length, or rotation that is missed between the stages, and the unknown."""
         force = self.actions.unseen(self.t, self.state)
         gap = 0.0 if self.actions.content is None else self.actions.content.gap

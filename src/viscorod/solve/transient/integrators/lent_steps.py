@@ -49,11 +49,12 @@ class StepTaken(NamedTuple):
 
     Attributes:
         h: its length [s]; start: state, fields and reactions at its start; end: at its end.
-        energies: kinetic, elastic, work and viscous loss of the step [J]; strain: largest shear or stretch at its end.
+        energies: kinetic, elastic, then work, viscous loss, and what loads dissipate outside, of the step [J].
+        strain: largest shear or stretch at its end.
     """
 
     h: float
     start: tuple[State, Floats, Floats]
     end: StepEnd
-    energies: tuple[float, float, float, float]
+    energies: tuple[float, float, float, float, float]
     strain: float

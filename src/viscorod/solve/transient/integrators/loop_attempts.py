@@ -7,6 +7,7 @@ from viscorod.mechanics.compilation.callback import call
 from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.elements.gauss_batch import group_of, points_of
 from viscorod.mechanics.nodes.load_courses import sum_loads
+from viscorod.mechanics.nodes.motion_loads import MotionTangent
 from viscorod.solve.transient.amplitude import (
     LENGTH,
     USUAL,
@@ -24,6 +25,7 @@ from viscorod.solve.transient.integrators.kernel_results import (
     EXTENT,
     NOTHING,
     NUMBER,
+    REAL,
     TURNED,
 )
 from viscorod.solve.transient.integrators.loop_data import (
@@ -42,6 +44,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     FARTHEST,
     FOLLOWS,
     FRESH,
+    GAP,
     GOES_ON,
     HAVE,
     KINETIC,
@@ -53,6 +56,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     OF_MIDDLE,
     OF_START,
     OLD,
+    OUTSIDE,
     POWER,
     RAISED,
     RATE,
@@ -85,6 +89,7 @@ __all__ = ["attempt", "copy", "follow", "row_of_trial", "take_end"]
 _do, _place = returning(NOTHING), returning(NOTHING, whole=False)
 _factorise, _turn = returning(NUMBER), returning(TURNED)
 _attempt, _end, _extent = returning(ATTEMPTED, whole=False), returning(ENDED), returning(EXTENT)
+_measure = returning(REAL)
 
 
 @exact_part
@@ -186,12 +191,16 @@ def renew(run: StepLoop) -> None:
     if loads.acting[0] != 0.0:
         acting = (loads.dead[0], loads.following[0], loads.gravity[0], loads.levers[0], mass)
         _do(calls.add_loads, (body.loaded, q, *acting, True, known.external, out.blocks, diagonal))
+    if calls.add_moving != 0:
+        into = MotionTangent(known.ad, out.blocks, out.rate_blocks, diagonal)
+        moving = (task.loads.motion, loads.moving[0], r, q, twist, known.external)
+        _measure(calls.add_moving, (*moving, into, task.loads.motion_work))
     copy_blocks(mass, matrices.mass)
     inertia = (mass, twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint)
     _do(calls.add_inertia, (*inertia, known.square))
     held = (body.supports, known.target, run.state.kept.reaction, r, q, body.pattern)
-    into = (out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0])
-    _do(calls.project, (*held, *into))
+    projected = (out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0])
+    _do(calls.project, (*held, *projected))
 
 
 @exact_part
@@ -206,6 +215,8 @@ def give_loads(run: StepLoop, t: float, end: float) -> None:
         sum_loads(loads.courses, at, before, i, loads.stages)
         if run.calls.prescribe != 0:
             loop_supports.move(run, at, before, i)
+    if run.calls.furthest != 0:
+        run.clock[GAP] = loop_supports.furthest(run, t, end)
 
 
 @exact_part
@@ -322,6 +333,16 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
         return AGAIN, count, 0.0, 0
     clock[RATE], numbers[FRESH] = rate, OLD
     clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
+    if calls.furthest != 0 and clock[GAP] > error:
+        error, unknown = clock[GAP], 0
+    if calls.unseen != 0 and counted != 0:
+        message = run.message
+        message[0] = clock[T]
+        call(calls.unseen, message.ctypes, 4)
+        if message[0] != clock[T]:
+            return RAISED, count, 0.0, 0
+        if message[1] > error:
+            error, unknown = message[1], int(message[2])
     error /= tolerance_of(run, end)
     too_far = (clock[TURN] / limits[FARTHEST]) ** limits[POWER]
     if too_far > error:
@@ -376,7 +397,7 @@ def take_end(run: StepLoop, t: float) -> None:
         copy(state.points[1, field], state.points[0, field])
     copy(state.reactions[1], state.reactions[0])
     given = (h, task.method, stages, account, task.motion.target, run.model.reading, state.kept, end)
-    clock[KINETIC], clock[STRAIN], clock[WORK], clock[LOSS], _ = _end(run.calls.end, given)
+    clock[KINETIC], clock[STRAIN], clock[WORK], clock[LOSS], clock[OUTSIDE] = _end(run.calls.end, given)
     clock[ELASTIC] = account.elastic[last]
     copy(end.r, now.r)
     copy(end.q, now.q)

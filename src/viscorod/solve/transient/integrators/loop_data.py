@@ -10,17 +10,19 @@ from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
+from viscorod.mechanics.nodes.table_motions import TableMotions
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.branch_systems import Stiffened
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
 
-T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, STRAIN = range(10)
-HAD, WAS_FRESH, CLOCK = range(10, 13)
+T, FACTOR_STEP, RATE, LAST_STEP, TURN, KINETIC, ELASTIC, WORK, LOSS, OUTSIDE, STRAIN = range(11)
+GAP, HAD, WAS_FRESH, CLOCK = range(11, 15)
 """Places in the clock: time and the step that factors are for [s], convergence rate, the last step [s] (0: there was
-none, or a jump since), its rotation [rad]; energies at its end, its work and loss [J], the largest shear or stretch at
-its end; ``HAVE`` and ``FRESH`` of a state that is put back."""
+none, or a jump since), its rotation [rad]; energies at its end, its work, its loss, and what loads dissipate outside in
+it [J], the largest shear or stretch at its end; how far motions go from what its stages show; ``HAVE`` and ``FRESH`` of
+a state that is put back."""
 
 (
     HAVE,
@@ -103,11 +105,13 @@ class LoopModel(NamedTuple):
 class LoopLoads(NamedTuple):
     """The loads, where they are functions of time that compiled code knows: of the stages, and at the step's start.
 
-    ``motions`` are those of supports, likewise; none if they are at rest.
+    ``motions`` are those of supports, likewise, ``tables`` those of them that are looked at within steps; none if they
+    are at rest.
     """
 
     courses: LoadCourses
     motions: MotionCourses
+    tables: TableMotions
     stages: LoadSums
     start: LoadSums
 
@@ -189,7 +193,8 @@ class Batch(NamedTuple):
 
     Attributes:
         ends, lengths: of the steps [s]; iterations, limits, unknowns: of each (integers ``(3, steps)``).
-        accounts: before the first and after every step: kinetic, elastic, viscous, external ``(steps + 1, 4)``.
+        accounts: before the first and after every step: kinetic, elastic, viscous, external, and what loads dissipated
+            outside ``(steps + 1, 5)``.
         lost: by each Maxwell branch, likewise ``(steps + 1, n)``; branches: of the states.
         instants, places: of the records [s], 0 to 1 in their steps, and 0.5; of_step: number of the step.
         states: of the records; in the last :data:`EXTRA_ROWS` rows first of the ends of some steps: the ``marks``,
@@ -223,8 +228,9 @@ class Backup(NamedTuple):
 class Addresses(NamedTuple):
     """Where the kernels are, and Python functions, 0 where there is nothing for them to do.
 
-    Kernels of Maxwell branches and of supports that move, or hold nodes in part, are there where there are any. Python
-    renews Jacobians where loads are unknown functions of time, and prepares steps where loads or motions are.
+    Kernels of Maxwell branches, of loads that see motion, and of supports that move, follow tables, or hold nodes in
+    part, are there where there are any. Python renews Jacobians where loads are unknown functions of time, and prepares
+    steps where loads or motions are; it says what these do between the stages if anything has to be looked for.
     """
 
     step: int
@@ -242,6 +248,7 @@ class Addresses(NamedTuple):
     assemble: int
     collect: int
     add_loads: int
+    add_moving: int
     add_inertia: int
     project: int
     stiffen_real: int
@@ -251,10 +258,12 @@ class Addresses(NamedTuple):
     read_branches: int
     read_within: int
     prescribe: int
+    furthest: int
     project_twists: int
     kinetic: int
     renew: int
     prepare: int
+    unseen: int
 
 
 class StepLoop(NamedTuple):

@@ -8,7 +8,7 @@ from viscorod.mechanics.nodes.motion_courses import write_motion
 from viscorod.solve.transient.integrators.kernel_results import NOTHING, REAL
 from viscorod.solve.transient.integrators.loop_data import KINETIC, StepLoop
 
-__all__ = ["move", "project"]
+__all__ = ["furthest", "move", "project"]
 
 _do, _measure = returning(NOTHING), returning(REAL)
 
@@ -22,6 +22,13 @@ def move(run: StepLoop, t: float, before: bool, i: int) -> None:
     where = (supports.axes, supports.r0, supports.q0)
     into = (motion.r[i], motion.q[i], motion.twist[i], motion.twist_rate[i])
     _do(run.calls.prescribe, (*where, target, rate, courses.acceleration, *into))
+
+
+@exact_part
+def furthest(run: StepLoop, t: float, end: float) -> float:
+    """Return how far motions that are tables go from what the stages of a step from ``t`` to ``end`` [s] show."""
+    distance: float = _measure(run.calls.furthest, (run.loads.tables, t, end))
+    return distance
 
 
 @exact_part

@@ -107,7 +107,7 @@ def keep(run: StepLoop, at: int) -> None:
     for field in range(3):
         copy(state.points[1, field], fields.points[field, at])
     copy(state.reactions[1], fields.reactions[at])
-    energies[0, at], energies[3, at] = clock[KINETIC], clock[ELASTIC]
+    energies[0, at], energies[4, at] = clock[KINETIC], clock[ELASTIC]
 
 
 @exact_part

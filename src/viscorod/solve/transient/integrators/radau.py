@@ -89,7 +89,7 @@ class Radau(Collocation):
     def _judge(self, error: float, unknown: int) -> tuple[float, int]:
         self._turn, node = self.turned.call(self.stages.X[self._last])
         if self.actions.content is not None:
-            unseen, where = self._unseen()
+            unseen, where = self.unseen()
             if unseen > error:
                 error, unknown = unseen, where
         error /= self.step_factor * self.tolerance.at(self._end, self._reached)

@@ -212,7 +212,8 @@ class Between(NamedTuple):
     Attributes:
         row: index of the first part in the arrays, which may have more.
         r, q, twist: of the nodes ``(k, n, ...)``; fields: as in :class:`ResultFields`.
-        energies: kinetic; work and viscous loss since the start of the step, and nothing ``(4, k)`` [J].
+        energies: kinetic; work, viscous loss, and what loads dissipate outside, since the start of the step; and
+            nothing ``(5, k)`` [J].
     """
 
     row: int
@@ -231,7 +232,7 @@ class Between(NamedTuple):
             np.empty((count, nodes, 4)),
             np.empty((count, nodes, 6)),
             ResultFields(np.empty((3, count, points, 6)), np.empty((count, supports, 6))),
-            np.zeros((4, count)),
+            np.zeros((5, count)),
         )
 
     def first(self, count: int) -> Between:
@@ -268,7 +269,7 @@ def between_stages(
     out, reaction = found.fields.points, found.fields.reactions
     top, powers, place = stages.strain.shape[2], stages.powers, parts[k]
     k += found.row
-    work = lost = 0.0
+    work = lost = outside = 0.0
     for g in range(places.shape[0]):
         for a in range(6):
             for field in range(3):
@@ -284,6 +285,7 @@ def between_stages(
             power *= place
         work += h * powers[0, i] * integral
         lost += h * powers[1, i] * integral
+        outside += h * powers[2, i] * integral
         for g in range(places.shape[0]):
             e, point = places[g] // top, places[g] % top
             for a in range(6):
@@ -293,7 +295,7 @@ def between_stages(
         for m in range(reaction.shape[1]):
             for a in range(6):
                 reaction[k, m, a] += c * (stages.reactions[i, m, a] - start_reaction[m, a])
-    found.energies[1, k], found.energies[2, k] = work, lost
+    found.energies[1, k], found.energies[2, k], found.energies[3, k] = work, lost, outside
 
 
 @kernel

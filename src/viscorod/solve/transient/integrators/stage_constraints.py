@@ -31,13 +31,14 @@ class StageConstraints:
             fastest one, so far.
     """
 
-    unsaved = frozenset({"_closed"})
+    unsaved = frozenset({"_closed", "_still"})
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
         constraints.ball_motors.moving = True
         self.arrays = ConstraintArrays.of(constraints, len(tableau.nodes))
         self._closed = ClosedStates(constraints)
+        self._still = not (constraints.joints.motions or len(constraints.ball_motors.coordinates))
         self.drift = 0.0, 0.0
         c = constraints.joints.count
         self._multiplier = np.zeros(len(constraints.gap))  # at t
@@ -66,7 +67,8 @@ class StageConstraints:
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate motors at stage ``i``, at time ``t`` [s]."""
         constraints, arrays = self.constraints, self.arrays
-        constraints.update(t, before)
+        if not self._still:
+            constraints.update(t, before)
         arrays.states.target[i], arrays.target_rate[i] = constraints.target, constraints.target_rate
 
     def prepare_end(self, t: float, end: float, *, before: bool) -> None:
@@ -169,15 +171,21 @@ class StageConstraints:
         weights = self.tableau.polynomials(parts)
         forces = self._earlier + weights @ (exerted - self._earlier)
         wanted = Wanted(*np.empty((3, *forces.shape)))
-        for k, t in enumerate(times):
-            constraints.update(t)
-            wanted.target[k], wanted.rate[k] = constraints.target, constraints.target_rate
-            wanted.near[k] = constraints.near
+        if self._still:
+            wanted.target[:], wanted.rate[:] = constraints.target, constraints.target_rate
+            wanted.near[:] = constraints.near
+        else:
+            for k, t in enumerate(times):
+                constraints.update(t)
+                wanted.target[k], wanted.rate[k] = constraints.target, constraints.target_rate
+                wanted.near[k] = constraints.near
         closed = Closed(*states, *np.empty((2, *forces.shape)))
         constraints.between_steps = True
         left = self._closed.close(systems, wanted, closed)
         constraints.between_steps = False
         self.drift = max(self.drift[0], left), self.drift[1]
+        if self._still:
+            return JointState(closed.value, closed.rate, -forces)
         found = []
         for t, *fields in zip(times, closed.value, closed.rate, forces, strict=True):
             if len(constraints.ball_motors.coordinates):

@@ -30,6 +30,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     LOSS,
     MOST,
     MOST_TRIALS,
+    OUTSIDE,
     PASSED,
     REACHED,
     REJECTED,
@@ -153,5 +154,6 @@ def account(run: StepLoop, end: float, h: float, count: int, unknown: int) -> bo
     accounts[steps + 1, 0], accounts[steps + 1, 1] = clock[KINETIC], clock[ELASTIC]
     accounts[steps + 1, 2] = accounts[steps, 2] + clock[LOSS]
     accounts[steps + 1, 3] = accounts[steps, 3] + clock[WORK]
+    accounts[steps + 1, 4] = accounts[steps, 4] + clock[OUTSIDE]
     loop_branches.add_losses(run)
     return True

@@ -132,8 +132,10 @@ class StepRecorder:
         end_rate: Floats,
         powers: Floats,
         whole_loss: float,
-    ) -> tuple[Snapshots, Floats, Floats, Floats]:
-        """Return everything at ``parts (k,)`` (0 to 1) of the last step, work and loss ``(k,)`` [J] up to there, zeros.
+    ) -> tuple[Snapshots, Floats, Floats, Floats, Floats]:
+        """Return everything at ``parts (k,)`` (0 to 1) of the last step, and energies ``(k,)`` [J] up to there.
+
+        These are work, viscous loss, what loads dissipate outside, and nothing.
 
         Poses and twists are polynomials of degree 5 through both ends of the step (with accelerations), corrected
         towards the stages if they are many; Gauss points and reactions follow the stages.
@@ -175,7 +177,7 @@ class StepRecorder:
         if self.stage_constraints is not None:
             states, times = (found.r, found.q, found.twist), t - (1.0 - parts) * h
             joints = self.stage_constraints.between(states, parts, times, self.systems)
-        (strain, rate, force), (kinetic, work, loss, nothing) = found.fields.points, found.energies
+        (strain, rate, force), (kinetic, *shares, nothing) = found.fields.points, found.energies
         snapshots = Snapshots(
             found.r,
             found.q,
@@ -189,7 +191,8 @@ class StepRecorder:
             nothing,
             joints,
         )
-        return snapshots, work, loss, nothing
+        work, loss, outside = shares
+        return snapshots, work, loss, outside, nothing
 
 
 def interpolate_states(
