@@ -126,7 +126,7 @@ def driven_in_all_ways():
     return driven_by(
         ux=vr.Ramp(0.1, 0.3, 0.02),
         uy=vr.SmoothRamp(0.05, 0.4, 0.03),
-        uz=vr.Sine(1.5, amplitude=0.01, phase=0.4),
+        uz=vr.Sine(1.5, amplitude=0.01, phase=0.4, offset=-0.01 * np.sin(0.4)),
         ry=vr.SpinUp(0.5, 0.3),
         rz=vr.Sine(2.0, amplitude=0.5),
     )

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion_attributes import blows, described, failure, keep, tell
+from viscorod.analyses.motion_attributes import begun_at_once, blows, described, failure, keep, tell
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.motion_start import held_part, initial_state, small_motions
 from viscorod.analyses.motion_stepping import (
@@ -173,10 +173,11 @@ def _motion(
         tell(attrs, unknown)
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
-    lost = settings.start is None and bool(force_doubt(attrs))
-    tell(attrs, blows(discrete.problem, lost=lost, duration=settings.duration))
+    tell(attrs, blows(discrete.problem))
     tell(attrs, motion_doubt(attrs))
     tell(attrs, force_doubt(attrs))
+    if settings.start is None and force_doubt(attrs):
+        keep(attrs, begun_at_once(discrete.problem, settings.duration))
     run = _result(discrete, stream, attrs, interrupted=interrupted)
     run.ends_of_steps = np.array(ends)
     if message:

@@ -12,6 +12,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.modal_reduction import told_of_modes
 from viscorod.analyses.motion_stepping import integrates_strains
 from viscorod.errors import warn
+from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.problem import Problem
@@ -23,7 +24,7 @@ from viscorod.solve.transient.motion_scale import PartOfMotion
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.transient_solver import Transient
 
-__all__ = ["blows", "described", "failure", "keep", "tell"]
+__all__ = ["begun_at_once", "blows", "described", "failure", "keep", "tell"]
 
 LOOKS = 101
 """Times at which prescribed motions are looked at."""
@@ -106,27 +107,34 @@ def keep(attrs: MutableMapping[str, Any], doubt: str) -> None:
         attrs["warnings"] = json.dumps([*json.loads(attrs["warnings"]), doubt])
 
 
-def blows(problem: Problem, *, lost: bool, duration: float) -> str:
-    """Return a warning if supports or motors move by blows: along straight lines between many rows, or from t = 0 on.
-
-    Args:
-        lost: whether steps lose vibrations, as those that a blow at the start sets off; duration: of the motion [s].
-    """
-    places = {id(motion): problem.supports.names[k] for k, _, motion in problem.supports.motions}
-    motions = [motion for _, _, motion in problem.supports.motions] + [m for _, m in problem.joints.motions]
-    for motion in motions:
+def blows(problem: Problem) -> str:
+    """Return a warning if a support or motor moves along straight lines between many rows, else nothing."""
+    for motion, place in _motions(problem):
         if isinstance(motion, TimeTable) and motion.straight and len(motion.knots) >= MANY_ROWS:
             return (
-                f"the motion of {places.get(id(motion), 'a joint')} is a table of {len(motion.knots)} rows joined by "
+                f"the motion of {place} is a table of {len(motion.knots)} rows joined by "
                 "straight lines: its velocity jumps at every row, each a blow; give interpolation = 'cubic'"
             )
-    for motion in motions if lost else ():
-        begun = abs(motion.rate(0.0))
-        if begun <= ROUNDED * max(abs(motion.rate(t)) for t in np.linspace(0.0, duration, LOOKS).tolist()):
-            continue
-        return (
-            f"the motion of {places.get(id(motion), 'a joint')} begins with a velocity at t = 0, a blow to what is "
-            "at rest, which sends waves along the rods; let it begin smoothly, as SmoothRamp and SpinUp do, or a sine "
-            "from where it turns back (phase = -pi/2 with offset = amplitude)"
-        )
     return ""
+
+
+def begun_at_once(problem: Problem, duration: float) -> str:
+    """Return a warning if a support or motor begins with a velocity, in a motion of ``duration`` [s], else nothing.
+
+    It says why steps lose vibrations, where they do.
+    """
+    for motion, place in _motions(problem):
+        rates = [abs(motion.rate(t)) for t in np.linspace(0.0, duration, LOOKS).tolist()]
+        if rates[0] > ROUNDED * max(rates):
+            return (
+                f"the motion of {place} begins with a velocity at t = 0, a blow to what is at rest, which sends waves "
+                "along the rods; let it begin smoothly, as SmoothRamp and SpinUp do, or a sine from where it turns "
+                "back (phase = -pi/2 with offset = amplitude)"
+            )
+    return ""
+
+
+def _motions(problem: Problem) -> list[tuple[TimeFunction, str]]:
+    """Return all prescribed motions, of supports and of motors, and what they move."""
+    held = [(motion, problem.supports.names[k]) for k, _, motion in problem.supports.motions]
+    return held + [(motion, "a joint") for _, motion in problem.joints.motions]
