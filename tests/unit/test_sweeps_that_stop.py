@@ -42,7 +42,9 @@ def case(tmp_path, monkeypatch):
 
 def records(folder):
     """The records of all members on disk, by their names; the last of each. A line that was cut off has no end."""
-    lines = [line for path in (folder / "members").glob("*.jsonl") for line in path.read_text().splitlines(True)]
+    lines = [
+        line for path in (folder / "members").glob("*.jsonl") for line in path.read_text().splitlines(True)
+    ]
     return {record["name"]: record for line in lines if line.endswith("}\n") and (record := json.loads(line))}
 
 
