@@ -141,6 +141,9 @@ class Expanded:
         del rough
         return self._slopes / unknowns
 
+    def hold(self, unknowns):
+        """Nothing is chosen."""
+
 
 def run(name, sets, real, wrong, seed=0):
     pairs, keys = PROBLEMS[name]()

@@ -35,6 +35,9 @@ class Swing:
     def jacobian(self, unknowns, *, rough=False):
         return central_differences(self.values, unknowns, 1e-6 * np.abs(unknowns))
 
+    def hold(self, unknowns):
+        """Nothing is chosen."""
+
 
 TRUTH = np.array([1.0, 0.02])
 SOUGHT = Unknowns([Unknown("E", 1.2, logarithmic=True), Unknown("tau", 0.015, logarithmic=True)])
@@ -136,6 +139,9 @@ def test_profile_of_a_skewed_unknown_is_that_of_the_sum_of_squares():
         def jacobian(self, unknowns, *, rough=False):
             return central_differences(self.values, unknowns, 1e-6 * unknowns)
 
+        def hold(self, unknowns):
+            """Nothing is chosen."""
+
     series = [Series("curve", slice(0, 40), regular=False, noise=np.full(40, 0.05))]
     sought = Unknowns([Unknown("rate", 8.0, logarithmic=True)])
     measured = Saturating().values(np.array([14.0])) + 0.05 * rng.normal(size=40)
@@ -220,6 +226,9 @@ def test_two_series_of_different_colour_share_one_number():
 
         def jacobian(self, unknowns, *, rough=False):
             return shape
+
+        def hold(self, unknowns):
+            """Nothing is chosen."""
 
     series = [
         Series(name, slice(k * count, (k + 1) * count), regular=True, noise=np.ones(count))

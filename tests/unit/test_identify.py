@@ -145,7 +145,8 @@ def test_a_fit_comes_back_from_its_file_with_its_case(two_times, tmp_path):
     material = found.case.description.rods["beam"].material
     assert material.youngs_modulus == found[YOUNG].value
     predicted = history(found.case, size=0.0).observed
-    np.testing.assert_allclose(predicted, found.data["predicted"].values, atol=1e-9)
+    # the search goes through steps of its own, which err by 1e-5 of 0.3 m, too
+    np.testing.assert_allclose(predicted, found.data["predicted"].values, atol=3e-6)
 
 
 def test_the_page_is_one_file_that_needs_no_network(two_times, tmp_path):

@@ -24,6 +24,9 @@ class Predicted:
     def jacobian(self, unknowns, *, rough=False):
         return central_differences(self.values, unknowns, 1e-5 * np.maximum(np.abs(unknowns), 1e-3))
 
+    def hold(self, unknowns):
+        """Nothing is chosen."""
+
 
 def posterior(values, measured, unknowns, noise, told, count):
     predictions = Predicted(values)

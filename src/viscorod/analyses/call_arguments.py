@@ -68,6 +68,8 @@ class CallOptions:
         attributes: of the result, beside those that all have, such as the text of its case file.
         derivatives: keys of the numbers of the model by which derivatives of the result are wanted.
         errors: estimate the errors of mesh and steps; where the program chooses the mesh it needs them.
+        note_steps: note where the steps of a motion end; derivatives need it.
+        step_ends: where they end [s], whatever they err by; none: steps are chosen.
     """
 
     title: str = ""
@@ -79,6 +81,8 @@ class CallOptions:
     attributes: dict[str, str] = field(default_factory=dict)
     derivatives: tuple[str, ...] = ()
     errors: bool = True
+    note_steps: bool = False
+    step_ends: tuple[float, ...] = ()
 
 
 P = ParamSpec("P")

@@ -120,7 +120,6 @@ def identify(
         seed=seed,
         report=report,
         begin=compared.found.named if compared is not None else None,
-        final=True,
     )
     # those of a model that misses the motion do not hold in any case, and its sum of squares has no shape to follow
     limits = _intervals(found, level, profile=profile and not missed(found.estimate))
@@ -152,6 +151,7 @@ def identify(
         "evaluations": found.estimate.evaluations,
         "starts": found.estimate.starts,
         "agreeing_starts": found.estimate.agreeing,
+        "unsettled": found.estimate.unsettled,
         "robust": int(robust),
         "wall_time_s": time.perf_counter() - began,
         "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
@@ -215,7 +215,7 @@ def _scaled(found: Fitted) -> Scaled:
     unknowns = found.unknowns
     believed = [one.label for one in found.estimate.noise.series if one.certain]
     numbers = [unknowns.names.index(label.removesuffix(" beforehand")) for label in believed]
-    return Scaled(CasePredictions(found.members, unknowns, numbers), unknowns)
+    return Scaled(CasePredictions(found.members, unknowns, numbers), unknowns, held=found.estimate.z)
 
 
 def _square(found: Fitted, scaled: Scaled | None = None) -> Callable[[Floats], float]:

@@ -113,10 +113,10 @@ def _motion(
         }
 
     ends: list[float] = []
+    noting = bool(options.derivatives) or options.note_steps
 
     def progress(end: float, h: float) -> None:
-        if options.derivatives:
-            ends.append(end)
+        ends.append(end)
         if options.progress is not None:
             options.progress(end, h)
 
@@ -131,7 +131,7 @@ def _motion(
         state,
         settings.duration,
         output_interval=settings.output_interval,
-        progress=progress if options.derivatives else options.progress,
+        progress=progress if noting else options.progress,
         history=stream,
         checkpoint=None if begun is None else begun["motion"],
         after_step=after_step,

@@ -21,9 +21,10 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.participation import Participation, participation, periods_set_off
-from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, StepControl
+from viscorod.solve.transient.step_control import ErrorControl, FixedSteps, KnownSteps, StepControl
 from viscorod.solve.transient.time_step import choose_time_step
 
 __all__ = ["halved_steps", "integrates_strains", "integrator_makers", "many_steps", "set_off", "stepping"]
@@ -80,6 +81,10 @@ def stepping(
         tolerance = PartOfMotion(discrete.supports, linear(), duration)
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
+    known = discrete.options.step_ends
+    if known:
+        with_tolerance = {} if tolerance is None else {"tolerance": tolerance}
+        return _unjudged(make(**given, **with_tolerance)), KnownSteps(known, duration), given
     if tolerance is not None:
         largest = settings.time_step or duration / LEAST_STEPS
         for period in discrete.problem.periods:
@@ -95,6 +100,16 @@ def stepping(
             seen = Participation(natural_frequencies(linear(), SEEN), 0.0)
         step = choose_time_step(discrete.problem, seen.vibrations[:SEEN], duration, seen.rigid)
     return make(**given), FixedSteps(step), given | {"time_step": step}
+
+
+def _unjudged(integrator: Integrator) -> Integrator:
+    """Let the steps of an integrator err by anything; its iteration ends where its tolerance says."""
+    if isinstance(integrator, GeneralizedAlpha):
+        integrator.step_tolerance = None if integrator.step_tolerance is None else math.inf
+    method: Any = integrator
+    if hasattr(method, "step_factor"):
+        method.step_factor = math.inf
+    return integrator
 
 
 def moved_by_loads(discrete: DiscreteModel, settings: SimulateSettings) -> bool:

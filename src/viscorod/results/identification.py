@@ -26,6 +26,7 @@ if TYPE_CHECKING:
 __all__ = ["Identification"]
 
 MISSES = "model misses motion"
+UNSETTLED = "search not at rest"
 VERY_WIDE = 1e6
 """Variance along what the data do not see, over the largest that they do."""
 
@@ -72,7 +73,7 @@ class Identification(StatelessResult):
                 (0.0 if relative else -np.inf) if data["low_open"].values[k] else float(data["low"].values[k])
             )
             high = np.inf if data["high_open"].values[k] else float(data["high"].values[k])
-            how = str(data["interval_by"].values[k]) + (f"; {MISSES}" if self.missed else "")
+            how = "; ".join([str(data["interval_by"].values[k]), *([self.doubt] if self.doubt else [])])
             found[str(name)] = Number(
                 str(name),
                 float(data["estimate"].values[k]),
@@ -103,7 +104,7 @@ class Identification(StatelessResult):
     @property
     def combinations(self) -> dict[str, Number]:
         """What the data tell of several unknowns together, by name."""
-        how = MISSES if self.missed else ""
+        how = self.doubt
         values, low, high = (self._values(f"combination_{word}") for word in ("value", "low", "high"))
         return {
             name: Number(name, float(value), float(below), float(above), how=how, unit=unit)
@@ -115,7 +116,7 @@ class Identification(StatelessResult):
     @property
     def in_programs(self) -> dict[str, Number]:
         """The damping in the numbers of other programs, by program and number."""
-        how = MISSES if self.missed else ""
+        how = self.doubt
         values, low, high = (self._values(f"program_{word}") for word in ("value", "low", "high"))
         names = self.words("program_numbers")
         return {
@@ -214,6 +215,16 @@ class Identification(StatelessResult):
     def missed(self) -> list[str]:
         """Series of which the model misses part of the motion: intervals do not hold for what it leaves out."""
         return [str(text) for text in self.words("missed")]
+
+    @property
+    def unsettled(self) -> float:
+        """Standard errors by which another step of the search would move the numbers; 0 where it came to rest."""
+        return float(self.data.attrs.get("unsettled", 0.0))
+
+    @property
+    def doubt(self) -> str:
+        """Why intervals do not hold, in a few words."""
+        return "; ".join([*([UNSETTLED] if self.unsettled else []), *([MISSES] if self.missed else [])])
 
     @property
     def units(self) -> dict[str, str]:

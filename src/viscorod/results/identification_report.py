@@ -71,6 +71,8 @@ def identification_report(fit: Identification) -> str:
 
 def what_intervals_are_worth(fit: Identification) -> str:
     """Return what the head of a table of intervals has to say of them."""
+    if fit.unsettled:
+        return f": the search did not come to rest, another step moves them by {fit.unsettled:.2g} standard errors"
     if not fit.missed:
         return ""
     listed = " and ".join([*([", ".join(fit.missed[:-1])] if len(fit.missed) > 1 else []), fit.missed[-1]])

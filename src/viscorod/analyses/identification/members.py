@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.analyses.call_arguments import CallOptions
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
@@ -22,9 +23,10 @@ from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.casefile.known_parts import KnownParts
-from viscorod.errors import Fault, InputError, last_warnings
+from viscorod.errors import Fault, InputError, SolveError, last_warnings
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import SLACK, StaticRecord
+from viscorod.results.run import Run
 from viscorod.solve.problem.division import Division, Divisions
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.modes import ModesSettings
@@ -48,7 +50,7 @@ ON_MESH: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
     ResponseSettings: frequency_response,
 }
 """The analyses that records are compared with, on a mesh that stays as it is."""
-STEPS = 1e-5
+STEPS = 1e-4
 """What steps of motions may err by over the size of the model, unless the case says; differences need it."""
 LINES = 1000
 """Frequencies of records up to which responses are computed at these, not on straight lines between others."""
@@ -72,11 +74,13 @@ class Member:
     Attributes:
         case: at the start; records: that are compared with its result.
         divisions: of the rods; found once, with the first result, and kept.
+        step_ends: times [s] at which steps of its motion end, see :meth:`hold`; none where steps are chosen.
     """
 
     case: Case
     records: list[Any]
     divisions: Divisions | None = None
+    step_ends: tuple[float, ...] = ()
     _last: tuple[tuple[tuple[str, float], ...], AnyResult] | None = field(default=None, repr=False)
     _known: KnownParts = field(default_factory=KnownParts, repr=False, compare=False)
 
@@ -139,11 +143,32 @@ class Member:
             raise InputError(Fault("case", f"{len(materials)} materials", why, "give a case with one"))
         return next(iter(materials.values()))
 
+    def hold(self, values: Mapping[str, float]) -> None:
+        """Let motions go through the steps from now on that are chosen with these numbers.
+
+        Steps that follow their errors change with the numbers, and what they err by jumps. With steps that stay where
+        they are, results are smooth functions of the numbers.
+        """
+        if not isinstance(self.case.settings, SimulateSettings):
+            return
+        before, self.step_ends, self._last = self.step_ends, (), None
+        try:
+            run = self.result(values)
+        except (SolveError, InputError):
+            self.step_ends = before
+            raise
+        self._last = None
+        if isinstance(run, Run) and not run.data.attrs.get(
+            "ended_by"
+        ):  # an event, at a time that changes too
+            self.step_ends = tuple(run.ends_of_steps.tolist())
+
     def _computed(self, case: Case) -> AnyResult:
+        options = CallOptions(step_ends=self.step_ends, note_steps=not self.step_ends)
         with last_warnings() as kept:
             if self.divisions is None:
                 self.divisions = self._chosen(case)
-            discrete = discretised_case(case)
+            discrete = discretised_case(case, options)
             if self.divisions:
                 discrete = discrete.on_mesh(self.divisions)
             watch = Unwatched(discrete.model, discrete.problem, discrete.system)

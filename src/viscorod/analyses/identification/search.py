@@ -25,7 +25,7 @@ __all__ = ["Fitted", "fitted"]
 
 BETTER = 0.5
 """Sum of squares by which a search that the first cycles led is taken in place of that from the start."""
-REFINED = 3
+REFINED = 4
 """Times that steps are made ten times as fine."""
 Pairs = Sequence[tuple[Case, Any]]
 
@@ -65,13 +65,12 @@ def fitted(
     report: Callable[[str], None] | None = None,
     only_nuisances: bool = False,
     begin: Mapping[str, float] | None = None,
-    final: bool = False,
 ) -> Fitted:
     """Fit, and return what `identify` makes a result of.
 
     With ``only_nuisances`` there may be no parameters; the first start is at the unknowns of ``begin``. Where model and
     record end out of step, the search is tried once more, led by the first cycles. Steps are refined until they do not
-    move the numbers, if the fit is ``final``.
+    move the numbers.
     """
     given = _Search(parameters, nuisances, robust, seed, only_nuisances)
     found = given.fitted(members_of(pairs), starts, begin or {}, coloured=coloured, report=report)
@@ -82,8 +81,7 @@ def fitted(
                 squares = f"{_misfit(led):.6g} in place of {_misfit(found):.6g}"
                 report(f"led by the first cycles: sum of squares {squares}")
             found = led
-    if final:
-        found = _with_finer_steps(given, pairs, found, coloured=coloured, report=report)
+    found = _with_finer_steps(given, pairs, found, coloured=coloured, report=report)
     return replace(found, estimate=replace(found.estimate, evaluations=sum(given.evaluations)))
 
 

@@ -33,6 +33,10 @@ LARGER = 2.0
 """Times the noise that was told by which residuals must be larger to be called a miss of the model."""
 PARTS = 0.15
 """Part of an unknown in a direction from which on it is named."""
+UNSETTLED = (
+    "The search did not come to rest: another step would move the numbers by {:.2g} standard errors. Start it nearer, "
+    "give starts = 5, or seek fewer numbers."
+)
 SIGNAL, MISSED = 0.25, 0.2
 """Relative width of the band about the frequency of a record, and the part of the residuals' power there, above
 what noise of its colour would have, from which on the model misses part of the motion."""
@@ -118,7 +122,7 @@ def sentences_of(
         units: of the unknowns by name, SI.
     """
     names = best.unknowns.names
-    found: list[str] = []
+    found: list[str] = [UNSETTLED.format(best.unsettled)] if best.unsettled else []
     named: list[set[str]] = []
     for direction in known.unseen:
         parts = [names[k] for k in np.argsort(-np.abs(direction)) if abs(direction[k]) > PARTS]

@@ -8,7 +8,8 @@ generalised least squares).
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from contextlib import suppress
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import least_squares
@@ -28,20 +29,24 @@ SETTLED = 0.05
 """Standard errors by which new weights may move the unknowns without another search."""
 NEAR = 0.5
 """Standard errors by which they may move them by one step with the slopes that there are."""
-STATISTICAL = 2e-2
-"""Change of the sum of squares, in units of the noise, that is not worth another iteration."""
-NEARLY = 0.25
-"""The same that is not worth slopes anew: half a standard error. At the end they are computed anew and checked."""
+STATISTICAL, NEARLY = 2e-2, 0.25
+"""Change of the sum of squares, in units of the noise, that is not worth another iteration, and that which one more
+step ends with: half a standard error."""
 REGION = 0.5
 """Change of a logarithm, or of a number over its scale, by which the first step goes at most, or so."""
+ROUNDING = 1e-6
+"""Change of a coordinate that does not count, however little noise there is."""
 HELD = 0.2
 """One over the change of these that is held back as much as one standard deviation of a value: it leaves where they are
 those that the data do not tell, and moves others by nothing that matters."""
-MOST_CARRIED, GAINED, FLAT = 2, 0.5, 0.98
-"""Times that slopes are carried on before they are computed again; the part of the sum of squares that a step must
-leave at most for that, or at least, where the search has come to its end."""
+FAR, CLOSE = 0.5, 0.2
+"""Change of a logarithm, or of a number over its scale, up to which steps of motions stay as they are in a search, and
+up to which they count as those of its end."""
+AGAIN = 4
+"""Times that a search is made with steps chosen anew."""
 SAME = 1e-3
-"""Relative difference of sums of squares below which two starts have found the same minimum."""
+"""Relative difference of sums of squares below which two starts have found the same minimum; they have too where their
+numbers are apart by less than :data:`NEAR`."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,6 +61,7 @@ class Estimate:
         accuracy: relative error of the slopes.
         starts: that were tried; agreeing: how many of them ended in this minimum.
         evaluations: of the values.
+        unsettled: standard errors by which another step would move the unknowns, 0 where the search came to rest.
     """
 
     unknowns: Unknowns
@@ -68,6 +74,7 @@ class Estimate:
     starts: int
     agreeing: int
     evaluations: int
+    unsettled: float = 0.0
 
     @property
     def values(self) -> Floats:
@@ -94,10 +101,26 @@ class Estimate:
 class Scaled:
     """Predictions by the coordinates z; the last ones are kept."""
 
-    def __init__(self, predictions: Predictions, unknowns: Unknowns) -> None:
-        self._predictions, self._unknowns = predictions, unknowns
+    def __init__(self, predictions: Predictions, unknowns: Unknowns, held: Floats | None = None) -> None:
+        self._predictions, self._unknowns, self._held = predictions, unknowns, held
         self._last: tuple[bytes, Floats] | None = None
         self.evaluations = 0
+
+    def hold(self, z: Floats, within: float) -> bool:
+        """Hold what the predictions choose for themselves as it is at z, unless it is that of a place so near.
+
+        Returns:
+            Whether it is held anew.
+
+        Raises:
+            SolveError: there is no solution at z.
+        """
+        if self._held is not None and np.abs(z - self._held).max(initial=0.0) <= within:
+            return False
+        self._predictions.hold(self._unknowns.values(z))
+        self.evaluations += 1
+        self._held, self._last = z.copy(), None
+        return True
 
     def values(self, z: Floats) -> Floats:
         """Return the values at z ``(n,)``."""
@@ -117,34 +140,12 @@ class Scaled:
         return self._predictions.jacobian(self._unknowns.values(z), rough=rough) * self._unknowns.slopes(z)
 
 
-class Followed:
-    """Slopes along a search: computed at first and where steps gain little, else carried on by Broyden's update.
+class EndedError(Exception):
+    """A search has come to its end, at the steps that it carries."""
 
-    C. G. Broyden, A class of methods for solving nonlinear simultaneous equations, Math. Comp. 19 (1965) 577-593.
-    """
-
-    def __init__(self, residual: Callable[[Floats], Floats], slopes: Callable[[Floats], Floats]) -> None:
-        self._residual, self._slopes = residual, slopes
-        self._last: tuple[Floats, Floats, Floats] | None = None
-        self._carried = 0
-
-    def slopes(self, z: Floats) -> Floats:
-        """Return the derivatives of the residuals at z, which has just been evaluated."""
-        found, now = None, self._residual(z)
-        if self._last is not None:
-            before, then, slopes = self._last
-            step = z - before
-            part = float(now @ now) / max(float(then @ then), 1e-300)
-            if step.any() and part <= 1.0:
-                carried = slopes + np.outer(now - then - slopes @ step, step) / (step @ step)
-                worth = (part < GAINED or part > FLAT) and self._carried < MOST_CARRIED
-                left = float(np.sum((np.linalg.qr(carried)[0].T @ now) ** 2))
-                if worth or left * len(now) < NEARLY * float(now @ now):
-                    found = carried
-        self._carried = 0 if found is None else self._carried + 1
-        found = self._slopes(z) if found is None else found
-        self._last = z.copy(), now, found
-        return found
+    def __init__(self, steps: Floats) -> None:
+        super().__init__("the search has come to its end")
+        self.steps = steps
 
 
 def estimate(
@@ -194,8 +195,13 @@ def estimate(
         assert failed is not None
         raise failed
     least, z = min(found, key=lambda pair: pair[0])
-    agreeing = sum(square <= least * (1.0 + SAME) + 1e-12 for square, _ in found)
-    return _weighted(scaled, measured, series, unknowns, z, starts, agreeing, robust, coloured)
+    best = _weighted(scaled, measured, series, unknowns, z, starts, robust, coloured)
+    white = best.whitened_slopes
+    agreeing = sum(
+        square <= least * (1.0 + SAME) + 1e-12 or bool(np.linalg.norm(white @ (other - z)) < NEAR)
+        for square, other in found
+    )
+    return replace(best, agreeing=agreeing)
 
 
 def _weighted(
@@ -205,28 +211,30 @@ def _weighted(
     unknowns: Unknowns,
     z: Floats,
     starts: int,
-    agreeing: int,
     robust: bool,
     coloured: bool,
 ) -> Estimate:
     """Estimate the noise and seek again from z, until both agree."""
-    noise = _first_noise(series)
+    noise, far = _first_noise(series), (0.0, 0.0)
     predicted, slopes = scaled.values(z), scaled.jacobian(z)
     for _ in range(ROUNDS):
         noise = noise_of(series, measured - predicted, slopes, noise, coloured=coloured, robust=robust)
         white = noise.whitened(slopes)
         step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
-        far = float(np.linalg.norm(white @ step))
-        if far < SETTLED:
+        far = _size(white, step)
+        if far[0] < SETTLED:
             break
-        if far < NEAR:
+        if far[0] < NEAR:
             z = z + step
             predicted = scaled.values(z)
             continue
         begin = z + step if no_worse(scaled, noise, measured, predicted, z + step) else z
-        moved = searched(scaled, measured, noise, unknowns.bounds, begin, unknowns.start, slopes=slopes)
+        moved = searched(scaled, measured, noise, unknowns.bounds, begin, unknowns.start)
         if not np.array_equal(moved, z):
             z, predicted, slopes = moved, scaled.values(moved), scaled.jacobian(moved)
+            white = noise.whitened(slopes)
+            step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
+            far = _size(white, step)
     return Estimate(
         unknowns,
         z,
@@ -236,9 +244,15 @@ def _weighted(
         noise,
         scaled.accuracy,
         starts,
-        agreeing,
+        1,
         scaled.evaluations,
+        far[0] if far[0] >= NEAR and far[1] > ROUNDING else 0.0,
     )
+
+
+def _size(white: Floats, step: Floats) -> tuple[float, float]:
+    """Return the size of a step in standard errors, and the largest change of a coordinate."""
+    return float(np.linalg.norm(white @ step)), float(np.abs(step).max(initial=0.0))
 
 
 def no_worse(scaled: Scaled, noise: Noise, measured: Floats, predicted: Floats, z: Floats) -> bool:
@@ -269,26 +283,53 @@ def searched(
     held: Floats,
     *,
     robust: bool = False,
-    slopes: Floats | None = None,
 ) -> Floats:
-    """Return where the weighted sum of squares is least, from a start on.
+    """Search where the weighted sum of squares is least, from a start on.
+
+    What predictions choose for themselves, as steps of motions, is held: the sum of squares is smooth then. Where the
+    search has gone far it is held anew, and the search goes on from there.
 
     Args:
         scaled: predictions; measured: what they are compared with; noise: that weighs them.
         bounds: of the coordinates; start: of the search.
         held: where those coordinates stay that the data do not tell.
         robust: let large residuals count less.
-        slopes: derivatives by z near the start ``(n, p)``, where they are known.
+
+    Raises:
+        SolveError: there is no solution at the start.
     """
     if not len(start):
         return start
     low, high = bounds
     room = 1e-9 * np.where(np.isfinite(high - low), high - low, 1.0)
+    z = np.clip(start, low + room, high - room)
+    scaled.hold(z, CLOSE)
+    for _ in range(AGAIN):
+        z = _searched_once(scaled, measured, noise, bounds, z, held, robust=robust)
+        try:
+            if not scaled.hold(z, CLOSE):
+                break
+        except (SolveError, InputError):  # there is none without the steps that were held
+            break
+    return z
 
-    start = np.clip(start, low + room, high - room)
+
+def _searched_once(
+    scaled: Scaled,
+    measured: Floats,
+    noise: Noise,
+    bounds: tuple[Floats, Floats],
+    start: Floats,
+    held: Floats,
+    *,
+    robust: bool,
+) -> Floats:
+    """Return where a search from a start ends; arguments as of :func:`searched`."""
+    low, high = bounds
     origin = start - REGION  # SciPy's first trust region is the size of what it starts from
     first = noise.whitened(scaled.values(start) - measured)
     refused = 10.0 * (np.abs(first) + float(np.abs(first).max(initial=0.0)))
+    enough, nearly = (float(np.clip(part / len(measured), 1e-10, 1e-3)) for part in (STATISTICAL, NEARLY))
 
     def residual(steps: Floats) -> Floats:
         try:
@@ -300,28 +341,35 @@ def searched(
             white = refused
         return np.append(white, HELD * (origin + steps - held))
 
-    known = [] if slopes is None else [slopes]
+    def slopes(steps: Floats) -> Floats:
+        z = origin + steps
+        with suppress(SolveError, InputError):  # what is held stays
+            scaled.hold(z, FAR)
+        found = np.concatenate([noise.whitened(scaled.jacobian(z, rough=True)), HELD * np.eye(len(steps))])
+        now = residual(steps)
+        step = -np.linalg.lstsq(found, now, rcond=1e-14)[0]
+        gain = float(np.sum((found @ step) ** 2))
+        inside = bool(np.all((low < z + step) & (z + step < high)))
+        if inside and not robust and gain <= nearly * float(now @ now):
+            raise EndedError(steps + step)
+        return found
 
-    def weighted(steps: Floats) -> Floats:
-        found = known.pop() if known else scaled.jacobian(origin + steps, rough=True)
-        return np.concatenate([noise.whitened(found), HELD * np.eye(len(steps))])
-
-    followed = Followed(residual, weighted)
-
-    tolerance = float(np.clip(STATISTICAL / len(measured), 1e-10, 1e-4))
-    found = least_squares(
-        residual,
-        np.full(len(start), REGION),
-        followed.slopes,
-        bounds=(low - origin, high - origin),
-        x_scale=1.0,
-        ftol=tolerance,
-        xtol=1e-8,
-        gtol=1e-12,
-        loss="soft_l1" if robust else "linear",
-        f_scale=0.1 if robust else 1.0,
-        max_nfev=60,
-    )
+    try:
+        found = least_squares(
+            residual,
+            np.full(len(start), REGION),
+            slopes,
+            bounds=(low - origin, high - origin),
+            x_scale=1.0,
+            ftol=enough,
+            xtol=1e-8,
+            gtol=1e-12,
+            loss="soft_l1" if robust else "linear",
+            f_scale=0.1 if robust else 1.0,
+            max_nfev=60,
+        )
+    except EndedError as ended:
+        return np.asarray(origin + ended.steps)
     return np.asarray(origin + found.x)
 
 

@@ -21,6 +21,15 @@ class Predictions(Protocol):
     def jacobian(self, unknowns: Floats, *, rough: bool = False) -> Floats:
         """Return the derivatives of the values by the unknowns ``(n, p)``; in a search, rough ones if cheaper."""
 
+    def hold(self, unknowns: Floats) -> None:
+        """Keep what a computation chooses for itself, such as steps of motions, as it is with these unknowns.
+
+        Values are smooth functions of the unknowns then.
+
+        Raises:
+            SolveError: there is no solution with them; nothing has changed.
+        """
+
     @property
     def accuracy(self) -> float:
         """Relative error of the derivatives: what they tell apart by less is not told."""

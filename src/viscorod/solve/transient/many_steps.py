@@ -104,7 +104,7 @@ class ManySteps:
 
         Nothing is compiled for that. Machine code on disk is loaded for a ``long`` run, or if there was one before.
         """
-        if PURE_PYTHON or type(integrator) is not Radau or type(control) is not ErrorControl:
+        if PURE_PYTHON or type(integrator) is not Radau or not isinstance(control, ErrorControl):
             return None
         problem, systems, content = integrator.system.problem, integrator.systems, integrator.actions.content
         serves = (

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections import deque
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -16,6 +17,11 @@ HALVINGS = 12
 RECOVERY = 8
 SMALLEST = 1e-13
 """Smallest step as a part of the duration."""
+
+BEYOND = 2.0
+"""Length of a step over the duration that goes as far as it may."""
+NEXT = 1e-9
+"""Part of the duration within which a step ends at a corner."""
 
 PATIENCE, PROGRESS = 500, 1e-7
 """So many steps must take the run forward by such a part of its duration."""
@@ -185,3 +191,34 @@ class ErrorControl:
     def in_words(limit: int) -> str:
         """Return what limited a step in words."""
         return LIMITS[limit]
+
+
+class KnownSteps(ErrorControl):
+    """Steps that end at given times, which count as corners; one that fails is divided.
+
+    The integrator must call no error too large.
+
+    Args:
+        ends: of the steps [s]; duration: of the run [s].
+    """
+
+    def __init__(self, ends: Sequence[float], duration: float) -> None:
+        super().__init__(1, BEYOND * duration, duration)
+        self._ends = tuple(ends)
+
+    def begin(self, t: float, corner: float, *, first: float | None) -> None:
+        """See :class:`StepControl`: steps begin as they are known after a jump, too."""
+        del first
+        super().begin(t, corner, first=BEYOND * self.duration)
+
+    def among(self, corners: Sequence[float]) -> list[float]:
+        """Return corners [s], in order, with the ends of steps between them that are not next to one."""
+        near = NEXT * corners[-1]
+        places = np.searchsorted(corners, self._ends)
+        known = np.concatenate([[-np.inf], corners, [np.inf]])
+        apart = [
+            end
+            for end, k in zip(self._ends, places, strict=True)
+            if min(end - known[k], known[k + 1] - end) > near and end < corners[-1]
+        ]
+        return sorted([*corners, *apart])

@@ -19,10 +19,10 @@ from viscorod.solve.transient.corners import corners_of
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
-from viscorod.solve.transient.loop_arrays import LARGEST_STRAIN, MOST_STEPS
+from viscorod.solve.transient.loop_arrays import LARGEST_STRAIN, MOST_CORNERS, MOST_STEPS
 from viscorod.solve.transient.many_steps import ManySteps
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
-from viscorod.solve.transient.step_control import StepControl
+from viscorod.solve.transient.step_control import KnownSteps, StepControl
 from viscorod.solve.transient.transient_result import StepCounts, TransientResult
 
 AT_ONCE = 32
@@ -140,7 +140,7 @@ class Transient:
                 control.begin(t, corner, first=integrator.first_step(self.duration) if restart else None)
             resumed = False
             if self.many is not None:
-                self.many.look_ahead(_up_to_jump(corners[k:], jumps))
+                self.many.look_ahead(_up_to_jump(corners[k : k + MOST_CORNERS + 1], jumps))
             if not self.integrate_to(corner):
                 return
             t, restart = corner, corner in jumps
@@ -347,7 +347,8 @@ class Transient:
 
     def corners(self, start: float, end: float) -> tuple[list[float], set[float]]:
         """Return the times from ``start`` to ``end`` [s] that steps must hit, and those after which to restart."""
-        return corners_of(self.problem, start, end, within=self.integrator.looks_within)
+        corners, jumps = corners_of(self.problem, start, end, within=self.integrator.looks_within)
+        return self.control.among(corners) if isinstance(self.control, KnownSteps) else corners, jumps
 
     def restart(self, t: float) -> None:
         """Start the integrator anew at ``t`` [s], after a jump of loads or prescribed motions.
