@@ -47,7 +47,7 @@ FEW_STEPS = 50
 
 UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
-LEAST, WANTED, MOST = 3e-6, 1e-5, 3e-4
+LEAST, WANTED, MOST = 1e-6, 3e-6, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
 LARGEST = 5e-4
 """Change of a number, as a part of it, that two neighbours differ by at most."""
