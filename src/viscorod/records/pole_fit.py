@@ -41,6 +41,8 @@ WIDTHS = 3.0
 """Half-power widths on each side that take part where the peak is wide."""
 HIGH = 0.6
 """Part of a peak above which its lines are counted; 0.7 is half the power, and noise is on it."""
+NO_NOISE, STRUCTURED = 3.5, 1e-3
+"""Deviations from which on lines are alike, and the part of the peak from which on that is told."""
 DIFFER = 1.5
 """Birge's ratio from which on records are said to differ."""
 
@@ -216,9 +218,17 @@ def _result(
         width = half_power_width(frequency, ratio)
         half_power.append(None if width < BINS * step else _half_power(hertz, records, frequency, width))
         worst = max(one.misfit for one in found)
-        if worst > 0.1:
+        structured = max((one.misfit for one in found if one.alike > NO_NOISE), default=0.0)
+        if STRUCTURED < structured <= 0.1:
             doubts.append(
-                f"about {frequency:.5g} Hz one mode leaves {per_cent(100.0 * worst)} of the peak over: there are others"
+                f"about {frequency:.5g} Hz what one mode leaves over, {per_cent(100.0 * structured)} of the peak, is "
+                "no noise: neighbouring lines are alike; where another mode stands nearby, or lines were smoothed or "
+                "windowed, the intervals do not hold"
+            )
+        if worst > 0.1:
+            left = per_cent(100.0 * worst)
+            doubts.append(
+                f"about {frequency:.5g} Hz one mode leaves {left} of the peak over: there are others"
             )
     narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * step]
     if narrow:
