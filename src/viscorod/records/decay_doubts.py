@@ -87,19 +87,7 @@ def doubts(
                     else ", and the record is shorter than that: the two are hard to tell apart"
                 )
             )
-    if not fit.is_white:
-        size = np.abs(fit.amplitudes[order])
-        for k in range(1, len(frequency)):
-            times = round(float(frequency[k]) / first)
-            if (
-                times > 1
-                and abs(frequency[k] / (times * first) - 1.0) < TIMES_FIRST
-                and size[k] < FAINT * size[0]
-            ):
-                found.append(
-                    f"{frequency[k]:.5g} Hz is {times} times {first:.5g} Hz: it may be a harmonic, as clipping, a "
-                    "sensor that is not linear, or a motion that is not, make, and no mode"
-                )
+    found += _harmonics(fit, order)
     found += _driven(fit, order)
     lasting = frequency[1:][lasts(fit)[order][1:]]
     if len(lasting):
@@ -124,6 +112,21 @@ def doubts(
     if trend:
         found.append(trend)
     return found
+
+
+def _harmonics(fit: SineFit, order: np.ndarray) -> list[str]:
+    """Return a sentence on faint modes at whole multiples of the first, if what is left over is no white noise."""
+    frequency, size = fit.frequencies[order], np.abs(fit.amplitudes[order])
+    times = np.round(frequency / frequency[0])
+    near = np.abs(frequency / np.maximum(times, 1.0) / frequency[0] - 1.0) < TIMES_FIRST
+    which = np.flatnonzero(near & (times > 1.0) & (size < FAINT * size[0]))
+    if fit.is_white or not len(which):
+        return []
+    listed = ", ".join(f"{frequency[k]:.5g} Hz ({times[k]:.0f} times)" for k in which)
+    return [
+        f"{listed} may be harmonics of {frequency[0]:.5g} Hz and no modes: clipping, a sensor that is not linear, or a "
+        "motion that is not, make such"
+    ]
 
 
 def _driven(fit: SineFit, order: np.ndarray) -> list[str]:

@@ -12,6 +12,7 @@ from viscorod.records.damped_sines import SineFit, residual_peak
 from viscorod.records.decay_fits import best_fit
 from viscorod.records.motion_record import Record
 from viscorod.records.stray_samples import LEAST, MOST, STEPS, dropouts, spikes
+from viscorod.records.sudden_change import changes_at
 from viscorod.typing import Floats
 
 __all__ = ["FEWEST", "DecaySpan", "start_of"]
@@ -75,6 +76,10 @@ class DecaySpan:
         if far.any() and stray <= MOST * (self.stray + count) and count - far.sum() >= FEWEST:
             record = _without(self.record, np.isin(self.record.times, self.part.times[far]))
             return replace(self, record=record, part=_without(self.part, far), stray=stray)
+        sudden = None if self.end_given or fit.is_white else changes_at(fit)
+        if sudden is not None:
+            part = self.part.window(first, first + sudden)
+            return replace(self, part=part, end_given=True, again=first + sudden)
         sunk = _sunk(fit)
         if not self.end_given and sunk < self.part.times[-1] - first:
             return replace(self, part=self.part.window(first, first + sunk), end_given=True)
@@ -90,8 +95,8 @@ class DecaySpan:
             )
         if self.again is not None:
             found.append(
-                f"something sets it in motion again after {self.again:.4g} s: the record is used up to there; give "
-                "start for the second decay"
+                f"something sets it in motion again after {self.again:.4g} s, or samples are missing there: the record "
+                "is used up to there; give start for the second decay"
             )
         return found
 
