@@ -253,6 +253,15 @@ def test_flat_tops_with_noise_on_them_are_clipped():
     assert sum(inside) >= 5  # of 8 intervals of 95 %; fewer have a probability of 0.0004
 
 
+def test_a_rod_that_is_held_before_its_release_is_not_clipped():
+    times = np.arange(1200) * 0.005
+    after = np.maximum(times - 1.0, 0.0)
+    swing = np.exp(-0.02 * 10 * np.pi * after) * np.cos(10 * np.pi * after)
+    for seed in range(4):
+        found = vr.decay(times, swing + np.random.default_rng(seed).normal(0.0, 2e-3, len(times)))
+        assert not any("clipped" in text for text in found.warnings)
+
+
 def test_a_record_that_is_clipped_to_its_end_is_said_to_be():
     times = np.arange(400) * 0.005
     noise = np.random.default_rng(1).normal(0.0, 2e-3, len(times))

@@ -53,12 +53,15 @@ def _flat_tops(values: Floats, per_cycle: float) -> np.ndarray:
     """Return which samples (n,) lie on flat tops with noise on them, as those of an amplifier or a filter behind it.
 
     A sine of the reach stays within a band below its top for a known time. Two tops of a record that stay there for
-    much longer, where the band is as thin as the noise on them, have met a limit.
+    much longer, where the band is as thin as the noise on them, have met a limit. One that lasts for more than half a
+    cycle is a rod that is held before its release.
     """
     found = np.zeros(len(values), dtype=bool)
     reach = float(np.ptp(values))
     if per_cycle < 8.0 or reach == 0.0:
         return found
+    above = values > 0.5 * (values.max() + values.min())
+    swing = np.cumsum(np.diff(above, prepend=above[0]))
     for side in (1.0, -1.0):
         below = float((side * values).max()) - side * values
         near = below < TOP * reach
@@ -70,8 +73,10 @@ def _flat_tops(values: Floats, per_cycle: float) -> np.ndarray:
         if not 0.0 < band < THIN * 0.5 * reach:
             continue
         usual = per_cycle / np.pi * np.arccos(1.0 - band / (0.5 * reach))
-        at = below <= band
-        edges = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(int)))
-        if np.count_nonzero(edges[1::2] - edges[::2] > LONGER * usual + MORE) > 1:
-            found |= at
+        at = np.flatnonzero(below <= band)
+        _, first, count = np.unique(swing[at], return_index=True, return_counts=True)
+        last = first + count - 1
+        short = at[last] - at[first] <= 0.5 * per_cycle + MORE
+        if np.count_nonzero(short & (count > LONGER * usual + MORE)) > 1:
+            found[at[np.repeat(short, count)]] = True
     return found
