@@ -20,6 +20,7 @@ __all__ = [
     "path_text",
     "show",
     "some_of",
+    "with_article",
 ]
 
 _SHORT = reprlib.Repr()
@@ -115,3 +116,8 @@ def path_text(loc: Iterable[str | int]) -> str:
             word = part if re.fullmatch(r"[\w-]{1,60}", part) else _SHORT.repr(part)
             text += f".{word}" if text else word
     return text
+
+
+def with_article(noun: str) -> str:
+    """Return a noun behind "a" or "an"."""
+    return f"{'an' if noun[:1].lower() in 'aeiou' else 'a'} {noun}"

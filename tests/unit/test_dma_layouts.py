@@ -117,6 +117,9 @@ LAYOUTS = {
     "0   0.1   2.0   0.2\n1   1.0   2.3   0.26\n2   10.0   2.6   0.32\n3   100.0   3.0   0.44\n",
     "a last column that is empty in some rows": "f [Hz]\tE' [MPa]\tE'' [MPa]\tStatus\n0.1\t2\t0.2\n1\t2.3\t.26\tok\n"
     "10\t2.6\t.32\n100\t3\t.44\n",
+    "loss modulus and tan delta, no storage modulus": "f (Hz)\tE'' (MPa)\ttan delta\n" + lines("{f}\t{l}\t{t}\n"),
+    "deg C among single blanks below names between two":
+    "Frequency  Temperature  Storage Modulus  Loss Modulus\nHz  deg C  MPa  MPa\n" + lines("{f}  25.0  {s}  {l}\n"),
     "real and imaginary parts": "Frequency [Hz],Re(G*) [MPa],Im(G*) [MPa]\n" + lines("{f},{s},{l}\n"),
 }  # fmt: skip
 ENCODINGS = {"Proteus": "cp1252", "STARe text with a footer and a force F beside f": "latin-1"}

@@ -237,3 +237,108 @@ def test_command(tmp_path, capsys):
 def test_what_is_no_decay_is_refused(values, message):
     with pytest.raises(vr.InputError, match=message):
         vr.decay(np.arange(len(values)) * 0.1, values, start=0.0)
+
+
+def test_flat_tops_with_noise_on_them_are_clipped():
+    """A limit before the noise: the ratio came out 13 % too small, with a false mode at three times 5 Hz."""
+    times, inside = np.arange(1000) * 0.005, []
+    for seed in range(8):
+        noise = np.random.default_rng(seed).normal(0.0, 2e-3, len(times))
+        decay = np.exp(-0.02 * 10 * np.pi * times) * np.cos(10 * np.pi * np.sqrt(1 - 4e-4) * times)
+        found = vr.decay(times, np.clip(decay, -0.6, 0.6) + noise)
+        assert len(found.frequencies) == 1
+        assert found.damping_ratios[0] == pytest.approx(0.02, rel=0.02)
+        inside.append(abs(found.damping_ratios[0] - 0.02) < found.data.damping_ratio_width.values[0])
+        assert any("is clipped until" in text for text in found.warnings)
+    assert sum(inside) >= 5  # of 8 intervals of 95 %; fewer have a probability of 0.0004
+
+
+def test_a_rod_that_is_held_before_its_release_is_not_clipped():
+    times = np.arange(1200) * 0.005
+    after = np.maximum(times - 1.0, 0.0)
+    swing = np.exp(-0.02 * 10 * np.pi * after) * np.cos(10 * np.pi * after)
+    for seed in range(4):
+        found = vr.decay(times, swing + np.random.default_rng(seed).normal(0.0, 2e-3, len(times)))
+        assert not any("clipped" in text for text in found.warnings)
+
+
+def test_a_record_that_is_clipped_to_its_end_is_said_to_be():
+    times = np.arange(400) * 0.005
+    noise = np.random.default_rng(1).normal(0.0, 2e-3, len(times))
+    lasting = np.exp(-0.002 * 10 * np.pi * times) * np.cos(10 * np.pi * times)
+    found = vr.decay(times, np.clip(lasting + noise, -0.5, 0.5))
+    assert any("the record is clipped there" in text for text in found.warnings)
+    assert any("may be harmonics of 5" in text for text in found.warnings)
+
+
+def test_a_drift_larger_than_the_swing_does_not_move_its_begin():
+    times = np.arange(1000) * 0.005
+    swing = np.exp(-0.02 * 10 * np.pi * times) * np.cos(10 * np.pi * times)
+    found = vr.decay(times, swing + times + np.random.default_rng(2).normal(0.0, 2e-3, len(times)))
+    assert found.data.time.values[0] < 0.3
+    assert found.damping_ratios[0] == pytest.approx(0.02, abs=2.0 * found.data.damping_ratio_width.values[0])
+    assert (
+        found.data.damping_ratio_width.values[0] < 5e-5
+    )  # 1.7e-3 from the last swings, where the drift is farthest
+
+
+@pytest.mark.parametrize(("rate", "message"), [(0.0, "hardly dies out"), (0.08, "grows meanwhile")])
+def test_what_is_driven_is_said_to_be_no_decay(rate, message):
+    times = np.arange(1000) * 0.005
+    swing = 0.01 * np.exp(rate * times) * np.sin(10 * np.pi * times)
+    noise = np.random.default_rng(3).normal(0.0, 2e-5, len(times))
+    found = vr.decay(times, swing + noise, start=0.0)
+    assert any(message in text for text in found.warnings)
+
+
+def test_steps_of_a_coarse_converter_are_no_spikes():
+    """Sixteen levels: 40 samples were called strays where the swing had sunk below one step."""
+    times = np.arange(1000) * 0.005
+    swing = np.exp(-0.02 * 10 * np.pi * times) * np.cos(10 * np.pi * times)
+    found = vr.decay(times, np.round(swing / 0.15) * 0.15)
+    assert not any("stand far off" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize("again", [0.1, 0.3])
+@pytest.mark.parametrize("phase", [0.5, 2.0])
+def test_a_small_blow_in_the_middle_ends_the_record(again, phase):
+    """Of a tenth of the first swing; frequencies were off by seven times what their intervals said."""
+    times, inside = np.arange(1000) * 0.005, []
+    pole = 10 * np.pi * complex(-0.02, 1.0)
+    truth = np.array([abs(pole) / (2 * np.pi), 0.02 * 10 * np.pi / abs(pole)])
+    for seed, blow in enumerate((1.5, 2.5, 4.0)):
+        later = np.where(
+            times >= blow, again * np.exp(pole * np.maximum(times - blow, 0.0) + 1j * phase), 0.0
+        )
+        noise = np.random.default_rng(seed).normal(0.0, 2e-3, len(times))
+        found = vr.decay(times, np.exp(pole * times).real + later.imag + noise)
+        assert found.data.time.values[-1] == pytest.approx(blow, abs=0.05)
+        assert any("something sets it in motion again after" in text for text in found.warnings)
+        assert len(found.frequencies) == 1
+        off = np.abs(np.array([found.frequencies[0], found.damping_ratios[0]]) - truth)
+        width = [found.data[f"{name}_width"].values[0] for name in ("frequency", "damping_ratio")]
+        inside += list(off < np.array(width))
+    assert sum(inside) >= 4  # of 6 intervals of 95 %; fewer have a probability of 0.0022
+
+
+def test_samples_that_are_missing_unmarked_end_the_record():
+    times = np.arange(1000) * 0.005
+    swing = np.exp(-0.02 * 10 * np.pi * times) * np.cos(10 * np.pi * times)
+    swing += np.random.default_rng(4).normal(0.0, 2e-3, len(times))
+    found = vr.decay(times[:890], np.r_[swing[:400], swing[510:]])
+    assert found.data.time.values[-1] == pytest.approx(2.0, abs=0.05)
+    assert found.frequencies[0] == pytest.approx(5.001, abs=1e-3)
+    assert any("or samples are missing there" in text for text in found.warnings)
+
+
+@pytest.mark.parametrize("kind", ["air", "friction", "coloured"])
+def test_damping_that_depends_on_the_amplitude_is_no_blow(kind):
+    times = np.arange(2000) * 0.005
+    low = 0.005 * 10 * np.pi * times
+    size = np.exp(-low) / (1.0 + 4.0 * (1.0 - np.exp(-low))) if kind == "air" else np.exp(-4.0 * low)
+    size = np.maximum(1.0 - 0.15 * times, 0.0) if kind == "friction" else size
+    noise = np.random.default_rng(5).normal(0.0, 2e-3, len(times))
+    if kind == "coloured":
+        noise = lfilter([1.0], [1.0, -0.9], 5.0 * noise)
+    found = vr.decay(times, size * np.cos(10 * np.pi * times) + noise)
+    assert not any("sets it in motion again" in text for text in found.warnings)

@@ -358,3 +358,25 @@ def test_a_response_that_is_read_says_which_input_of_the_model_it_has(tmp_path):
     assert (found.source, found.output) == ("beam.end fz", "beam.end az")
     table = {"kind": "response", "file": file.name, "value": ["re", "im"], "source": "beam.end fz"}
     assert record_of(table, tmp_path).source == "beam.end fz"
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        # two strains in one file: their moduli were averaged without a word
+        (
+            "Strain (%),f (Hz),E' (MPa),E'' (MPa)\n0.01,1,30,3\n0.01,10,33,3.2\n0.1,1,28,3\n0.1,10,31,3.2\n",
+            "2 frequencies stand more than once .* the moduli there are averaged",
+        ),
+        (
+            "f (Hz),E' (MPa),tan delta\n0.1,30.0,15.8\n1,37.8,15.8\n10,47.5,15.8\n",
+            "if it is in percent, the file must say so",
+        ),
+        ("f (Hz),E' (MPa),E'' (MPa)\n1,30,3\n10,33,\n100,36,3\n", "1 row of the file has no usable numbers"),
+    ],
+)
+def test_what_is_doubtful_about_a_table_of_moduli_is_a_warning(text, message, tmp_path):
+    file = tmp_path / "sweep.csv"
+    file.write_text(text)
+    with pytest.warns(UserWarning, match=message):
+        vr.ModuliRecord.read(str(file))

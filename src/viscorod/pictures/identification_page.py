@@ -41,6 +41,11 @@ th:first-child, td:first-child { text-align: left; overflow-wrap: anywhere; min-
 th { font-weight: 600; } .words { text-align: left; }
 .open { color: #D55E00; } svg { max-width: 100%; height: auto; }
 pre { background: #f5f5f5; padding: .8rem; overflow-x: auto; font-size: .85rem; }
+@media (prefers-color-scheme: dark) {
+  :root { color-scheme: dark; } body { color: #ddd; background: #1c1c1c; }
+  th, td { border-color: #444; } pre { background: #292929; } .open { color: #FF9E4A; }
+  svg { background: #fff; border-radius: 4px; }
+}
 """
 
 

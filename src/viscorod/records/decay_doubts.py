@@ -5,19 +5,18 @@ from __future__ import annotations
 import numpy as np
 from scipy.stats import chi2
 
+from viscorod.records.clipping import clipped_samples
 from viscorod.records.damped_sines import SineFit
 from viscorod.records.motion_record import Record
 from viscorod.results.text_numbers import per_cent
 from viscorod.typing import Floats
 
-__all__ = ["clipped_samples", "doubts", "half_power_width", "lasts"]
+__all__ = ["doubts", "half_power_width", "lasts"]
 
 CYCLES = 3.0
 """Cycles below which a ratio rests on too little."""
 PER_CYCLE = 5.0
 """Samples per cycle below which aliasing is spoken of."""
-RUN = 3
-"""Equal samples at an extreme that mean clipping."""
 BINS = 2.0
 """Bins of the spectrum that a half-power width must have."""
 CREEP = 0.02
@@ -25,6 +24,10 @@ CREEP = 0.02
 NEAR = 0.25
 """Relative distance of two frequencies that is called a beat."""
 LEVEL = 1e-3
+TIMES_FIRST = 3e-3
+"""Relative distance from a whole multiple of the first frequency within which a faint mode may be its harmonic."""
+FAINT = 0.2
+"""Amplitude of a harmonic over that of the first mode at most."""
 LASTING, MANY = 0.05, 20.0
 """Part by which a vibration dies out over the record, and its cycles, by which it is called a lasting one."""
 
@@ -84,6 +87,8 @@ def doubts(
                     else ", and the record is shorter than that: the two are hard to tell apart"
                 )
             )
+    found += _harmonics(fit, order)
+    found += _driven(fit, order)
     lasting = frequency[1:][lasts(fit)[order][1:]]
     if len(lasting):
         found.append(
@@ -109,28 +114,39 @@ def doubts(
     return found
 
 
+def _harmonics(fit: SineFit, order: np.ndarray) -> list[str]:
+    """Return a sentence on faint modes at whole multiples of the first, if what is left over is no white noise."""
+    frequency, size = fit.frequencies[order], np.abs(fit.amplitudes[order])
+    times = np.round(frequency / frequency[0])
+    near = np.abs(frequency / np.maximum(times, 1.0) / frequency[0] - 1.0) < TIMES_FIRST
+    which = np.flatnonzero(near & (times > 1.0) & (size < FAINT * size[0]))
+    if fit.is_white or not len(which):
+        return []
+    listed = ", ".join(f"{frequency[k]:.5g} Hz ({times[k]:.0f} times)" for k in which)
+    return [
+        f"{listed} may be harmonics of {frequency[0]:.5g} Hz and no modes: clipping, a sensor that is not linear, or a "
+        "motion that is not, make such"
+    ]
+
+
+def _driven(fit: SineFit, order: np.ndarray) -> list[str]:
+    """Return a sentence if the strongest mode grows, or does not die out over many cycles."""
+    first = int(order[0])
+    ratio, width = float(fit.ratios[first]), float(fit.half_widths(0.95)[1][first])
+    hertz = float(fit.frequencies[first])
+    if ratio + width < 0.0:
+        return [f"{hertz:.4g} Hz grows meanwhile: something drives it, and this is no free decay"]
+    if lasts(fit)[first]:
+        return [
+            f"{hertz:.4g} Hz hardly dies out meanwhile: where something drives it this is no free decay, and the ratio "
+            "none of the rod; else a longer record tells more"
+        ]
+    return []
+
+
 def half_power_width(frequency: float, ratio: float) -> float:
     """Return the width of a resonance at half the power, Hz."""
     return 2.0 * abs(ratio) * frequency
-
-
-def clipped_samples(values: Floats, per_cycle: float) -> np.ndarray:
-    """Return which samples (n,) hold an extreme while a sine would have moved by more than the resolution."""
-    found = np.zeros(len(values), dtype=bool)
-    known = np.unique(values)
-    if per_cycle < 4.0 or len(known) < 8:
-        return found
-    step = float(np.min(np.diff(known)))
-    reach = float(known[-1] - known[0])
-    moved = 0.5 * reach * (1.0 - np.cos(np.pi * (RUN - 1) / per_cycle))
-    if moved < 3.0 * step:
-        return found
-    for extreme in (known[-1], known[0]):
-        at = np.abs(values - extreme) <= 1e-9 * reach
-        runs = np.flatnonzero(np.diff(np.concatenate([[False], at, [False]]).astype(int)))
-        if len(runs) and int(np.max(runs[1::2] - runs[::2])) >= RUN:
-            found |= at
-    return found
 
 
 def _trend(pieces: dict[str, Floats]) -> str:

@@ -5,12 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.ndimage import uniform_filter1d
 
+from viscorod.records.clipping import clipped_samples, resolution
 from viscorod.records.damped_sines import SineFit, residual_peak
-from viscorod.records.decay_doubts import clipped_samples
 from viscorod.records.decay_fits import best_fit
 from viscorod.records.motion_record import Record
-from viscorod.records.stray_samples import MOST, dropouts, spikes
+from viscorod.records.stray_samples import LEAST, MOST, STEPS, dropouts, spikes
+from viscorod.records.sudden_change import changes_at
 from viscorod.typing import Floats
 
 __all__ = ["FEWEST", "DecaySpan", "start_of"]
@@ -46,7 +48,7 @@ class DecaySpan:
     @classmethod
     def of(cls, record: Record, start: float | None, end: float | None) -> DecaySpan:
         """Return the span from the first passage through rest, or what was given."""
-        dropped = dropouts(record.values)
+        dropped = dropouts(record.values, STEPS * resolution(record.values) / LEAST)
         whole = _without(record, dropped)
         begin = start_of(whole.times, whole.values) if start is None else float(start)
         last = float(record.times[-1]) if end is None else float(end)
@@ -66,11 +68,18 @@ class DecaySpan:
         if free is not None:
             return replace(self, part=free, begin_given=True)
         size = float(np.abs(fit.amplitudes).max())
-        far = spikes(fit.residual, size) | dropouts(fit.residual, size)
+        least = max(
+            size, STEPS * resolution(self.part.values) / LEAST
+        )  # steps of the resolution are no spikes
+        far = spikes(fit.residual, least) | dropouts(fit.residual, least)
         stray, count = self.stray + int(far.sum()), len(far)
         if far.any() and stray <= MOST * (self.stray + count) and count - far.sum() >= FEWEST:
             record = _without(self.record, np.isin(self.record.times, self.part.times[far]))
             return replace(self, record=record, part=_without(self.part, far), stray=stray)
+        sudden = None if self.end_given or fit.is_white else changes_at(fit)
+        if sudden is not None:
+            part = self.part.window(first, first + sudden)
+            return replace(self, part=part, end_given=True, again=first + sudden)
         sunk = _sunk(fit)
         if not self.end_given and sunk < self.part.times[-1] - first:
             return replace(self, part=self.part.window(first, first + sunk), end_given=True)
@@ -86,8 +95,8 @@ class DecaySpan:
             )
         if self.again is not None:
             found.append(
-                f"something sets it in motion again after {self.again:.4g} s: the record is used up to there; give "
-                "start for the second decay"
+                f"something sets it in motion again after {self.again:.4g} s, or samples are missing there: the record "
+                "is used up to there; give start for the second decay"
             )
         return found
 
@@ -101,9 +110,24 @@ def _without(record: Record, which: np.ndarray) -> Record:
 
 
 def start_of(times: Floats, values: Floats) -> float:
-    """Return the first passage through rest after the largest deviation from it."""
+    """Return the first passage through rest after the largest deviation from it.
+
+    Where that leaves less than half of a record, the rest may have moved: a mean over one period follows it.
+    """
     rest = float(np.median(values[-max(len(values) // 3, 4) :]))
-    off = values - rest
+    begin = _passage(times, values - rest)
+    if begin > 0.5 * (times[0] + times[-1]) and len(values) >= 2 * FEWEST:
+        line = np.polynomial.Polynomial.fit(times, values, 1)(times)
+        pole = residual_peak(times - times[0], values - line)
+        step = float(times[-1] - times[0]) / (len(times) - 1)
+        period = round(2.0 * np.pi / float(pole.imag) / step)
+        if 4 <= period <= len(values) // 3:
+            begin = min(begin, _passage(times, values - uniform_filter1d(values, period, mode="mirror")))
+    return begin
+
+
+def _passage(times: Floats, off: Floats) -> float:
+    """Return the first passage through zero after the largest deviation (n,)."""
     far = np.abs(off) >= 0.9 * float(np.abs(off).max(initial=0.0))
     first = int(np.argmax(far))
     passed = first + 1 + np.flatnonzero(off[first:-1] * off[first + 1 :] <= 0.0)
@@ -153,6 +177,8 @@ def _after_clipping(part: Record, fit: SineFit) -> Record | None:
     last = int(np.flatnonzero(held)[-1])
     off = part.values[last:] - float(np.median(part.values[last:]))
     passed = np.flatnonzero(off[:-1] * off[1:] <= 0.0)
+    if last + 1 == len(part.times):
+        return None
     begin = float(part.times[last + (int(passed[0]) + 1 if len(passed) else 1)])
     free = part.window(begin, part.times[-1]) if begin < part.times[-1] else None
     enough = free is not None and len(free.times) >= FEWEST and (free.times[-1] - begin) * hertz >= 2.0

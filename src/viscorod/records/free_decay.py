@@ -111,8 +111,8 @@ def fitted_decay(span: DecaySpan, modes: int | None, cycles: int | None) -> Deca
             continue
         if fit is None:
             raise InputError(
-                f"record {part.name}: no motion that swings about a rest was found from {first:g} to {last:g} s; cut a "
-                "window in which it swings freely for two cycles or more"
+                f"record {part.name}: no motion that swings about a rest, and does not grow, was found from {first:g} "
+                f"to {last:g} s; cut a window in which it swings freely for two cycles or more"
             )
         order = _order(fit)
         return _result(span, fit, order, _pieces(fit, int(order[0]), cycles))

@@ -42,7 +42,10 @@ SPIKED = 0.34
 """Part of the sweeps that have the same frequency off: the instrument's resonance."""
 PER_DECADE = 8
 """Frequencies of the smooth curve."""
+MOST_TOLD = 5
+"""Sentences about the tables of sweeps."""
 Sweep = tuple[float, DmaTable]
+_POINT = re.compile(r"the (storage|loss) modulus at (\S+) Hz is ")
 
 
 @described
@@ -85,6 +88,7 @@ def master_curve(
     else:
         sweeps, left_out = _without_resonance(sweeps)
         notes += left_out
+    notes += _of_tables(sweeps)
     sweeps = [one for one in sweeps if len(one[1].omega) > 2]
     if len(sweeps) < FEWEST:
         raise InputError(
@@ -239,10 +243,7 @@ def _sweeps(
 def _without_resonance(sweeps: list[Sweep]) -> tuple[list[Sweep], list[str]]:
     """Return the sweeps without frequencies that are off in many of them, and what is to be said of it."""
     spikes = Counter(
-        float(found[2])
-        for _, table in sweeps
-        for note in table.notes
-        if (found := re.match(r"the (storage|loss) modulus at (\S+) Hz is ", note))
+        float(found[2]) for _, table in sweeps for note in table.notes if (found := _POINT.match(note))
     )
     notes = []
     for hertz, times in sorted(spikes.items()):
@@ -256,6 +257,27 @@ def _without_resonance(sweeps: list[Sweep]) -> tuple[list[Sweep], list[str]]:
                 for celsius, table in sweeps
             ]
     return sweeps, notes
+
+
+def _of_tables(sweeps: list[Sweep]) -> list[str]:
+    """Return what was averaged, left out or found doubtful in the tables of the sweeps, but for single points.
+
+    A point that is off weighs less in the curve.
+    """
+    found: dict[str, list[float]] = {}
+    for celsius, table in sweeps:
+        for doubt in table.doubts:
+            if not _POINT.match(doubt) and not doubt.startswith(("measured at", "and ")):
+                found.setdefault(doubt, []).append(celsius)
+    told = [
+        doubt if len(at) == len(sweeps) else f"at {', '.join(f'{one:.4g}' for one in at)} C: {doubt}"
+        for doubt, at in found.items()
+    ]
+    return (
+        told
+        if len(told) <= MOST_TOLD
+        else [*told[:MOST_TOLD], f"and {len(told) - MOST_TOLD} more such sentences"]
+    )
 
 
 def _kept(table: DmaTable, which: np.ndarray) -> DmaTable:

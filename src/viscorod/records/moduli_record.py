@@ -7,7 +7,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, warn
 from viscorod.model.materials.dma_table import read_dma_table
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
@@ -76,6 +76,8 @@ class ModuliRecord(AnyRecord):
     def read(cls, path: str, **options: Any) -> ModuliRecord:
         """Return a table of one sweep that an instrument exported; see `ModulusTable` for files and options.
 
+        What was averaged, left out or found doubtful on reading is a warning each.
+
         Args:
             path: of the file.
             options: `frequency_unit`, `modulus_unit`, `temperature` of the file; `of`, `relative_noise`, `unknown`,
@@ -88,6 +90,8 @@ class ModuliRecord(AnyRecord):
         table = read_dma_table(path, **options)
         if table.strain is not None:
             own.setdefault("of", table.strain)
+        for doubt in table.doubts:
+            warn(f"record {own.get('name', 'moduli')}: {doubt}")
         return cls(table.omega / (2.0 * np.pi), table.storage, table.loss, **own)
 
     @property

@@ -15,7 +15,7 @@ import numpy as np
 from scipy.optimize import brentq
 from scipy.special import ndtr, stdtr
 
-from viscorod.records.pole_about_peak import Peak
+from viscorod.records.pole_about_peak import LevelFit, Peak
 from viscorod.typing import Floats
 
 __all__ = ["Pole", "poles_of"]
@@ -39,6 +39,7 @@ class Pole:
         frequency_width, ratio_width: half of the 95 % interval.
         misfit: what is left over the peak, of its size.
         proportional: share of the noise's variance on the peak that is in proportion to the response.
+        alike: how much alike neighbouring lines of what is left over are, in deviations of white noise.
     """
 
     frequency: float
@@ -47,6 +48,7 @@ class Pole:
     ratio_width: float
     misfit: float
     proportional: float
+    alike: float
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,19 @@ def _described(
     frequency = float(np.hypot(centre, decay))
     ratio = decay / frequency
     misfit = float(np.sqrt(2.0 * np.sum(np.abs(peak.levels[fit][1].left) ** 2) / peak.freedom))
-    return Pole(frequency, ratio, half[1] * peak.step, ratio * half[0], misfit, share)
+    return Pole(
+        frequency, ratio, half[1] * peak.step, ratio * half[0], misfit, share, _alike(peak.levels[fit])
+    )
+
+
+def _alike(level: tuple[float | None, LevelFit]) -> float:
+    """Return how much alike neighbouring lines of what is left are, in deviations of white noise."""
+    size, fit = level
+    off = fit.left if size is None else fit.left / np.hypot(size, np.abs(fit.model))
+    products = float(np.sum((off[1:] * off[:-1].conj()).real))
+    return (
+        products / max(float(np.sum(np.abs(off) ** 2)), np.finfo(float).tiny) * float(np.sqrt(2 * len(off)))
+    )
 
 
 def _half_width(weight: Floats, means: Floats, sizes: Floats, freedom: int | None) -> float:

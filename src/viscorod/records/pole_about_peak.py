@@ -9,6 +9,7 @@ how likely each of them is.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TypeAlias
 
@@ -25,6 +26,8 @@ DEGREE = 2
 """Of the polynomial for all other modes."""
 OFF = 1.5
 """Lines by which a pole may be off its peak, beside half of its half-power width."""
+NEAR = 6.0
+"""Reaches from the peak within which another mode has its own pole in the fit; beyond it the polynomial is as good."""
 LEVELS = 10.0 ** np.arange(1.0, -2.1, -0.25)
 """a/b over the median size of the response; the first is as good as constant, the last as good as in proportion."""
 PASSES, LARGEST = 12, 0.5
@@ -58,15 +61,16 @@ Levels: TypeAlias = list[tuple[float | None, LevelFit]]
 
 
 class _Form:
-    """residue/(i(x - c) + d) and a polynomial, over the distance x from the peak in lines."""
+    """residue/(i(x - c) + d), the same of neighbours, and a polynomial, over the distance x from the peak in lines."""
 
-    def __init__(self, x: Floats, y: np.ndarray, reach: int) -> None:
+    def __init__(self, x: Floats, y: np.ndarray, reach: int, beside: Floats) -> None:
         self.x, self.y = x, y
-        self.powers = (x / reach)[:, None] ** np.arange(DEGREE + 1)
-        self.freedom = 2 * len(x) - 2 - 2 * (DEGREE + 2)
+        powers = (x / reach)[:, None] ** np.arange(DEGREE + 1)
+        self.others = np.hstack([1.0 / (1j * (x[:, None] - beside[:, 0]) + beside[:, 1]), powers])
+        self.freedom = 2 * len(x) - 2 - 2 * (1 + self.others.shape[1])
 
     def basis(self, theta: Floats) -> np.ndarray:
-        return np.column_stack([1.0 / (1j * (self.x - theta[1]) + np.exp(theta[0])), self.powers])
+        return np.column_stack([1.0 / (1j * (self.x - theta[1]) + np.exp(theta[0])), self.others])
 
     def fitted(self, theta: Floats, deviation: Floats) -> tuple[np.ndarray, np.ndarray]:
         """Return the linear numbers that fit best, and the model."""
@@ -163,7 +167,12 @@ def rough_pole(hertz: Floats, response: np.ndarray, k: int, reach: int) -> tuple
 
 
 def peak_fits(
-    hertz: Floats, response: np.ndarray, k: int, reach: int, noise: Floats | None = None
+    hertz: Floats,
+    response: np.ndarray,
+    k: int,
+    reach: int,
+    noise: Floats | None = None,
+    neighbours: Sequence[tuple[float, float]] = (),
 ) -> Peak | None:
     """Return the fits about a peak from the lines within reach; None where there is no pole.
 
@@ -171,8 +180,9 @@ def peak_fits(
         hertz: evenly spaced lines, Hz (n,); response: complex (n,).
         k: the line of the peak; reach: lines on each side.
         noise: standard deviations of the lines (n,), where they are known but for a factor.
+        neighbours: frequencies [Hz] and damping ratios of other modes; those nearby have their own poles in the fit.
     """
-    found = _searched(hertz, response, k, reach)
+    found = _searched(hertz, response, k, reach, neighbours)
     if found is None:
         return None
     form, theta = found
@@ -189,13 +199,23 @@ def peak_fits(
     return Peak(float(hertz[k]), step, float(np.abs(response[k])), form.freedom, levels)
 
 
-def _searched(hertz: Floats, response: np.ndarray, k: int, reach: int) -> tuple[_Form, Floats] | None:
+def _searched(
+    hertz: Floats,
+    response: np.ndarray,
+    k: int,
+    reach: int,
+    neighbours: Sequence[tuple[float, float]] = (),
+) -> tuple[_Form, Floats] | None:
     inside = np.arange(max(k - reach, 0), min(k + reach + 1, len(hertz)))
     if len(inside) < 2 * LEAST:
         return None
-    form = _Form(
-        (hertz[inside] - hertz[k]) / (hertz[1] - hertz[0]), response[inside] / np.abs(response[k]), reach
-    )
+    step = float(hertz[1] - hertz[0])
+    beside = np.array(
+        [((f * np.sqrt(1.0 - z**2) - hertz[k]) / step, z * f / step) for f, z in neighbours if z < 1.0]
+    ).reshape(-1, 2)
+    beside = beside[np.abs(beside[:, 0]) < NEAR * reach]
+    x, y = (hertz[inside] - hertz[k]) / step, response[inside] / np.abs(response[k])
+    form = _Form(x, y, reach, beside)
     if form.freedom < 1:
         return None
     even = np.ones(len(inside))

@@ -1,6 +1,7 @@
 """Poles of measured frequency responses: frequencies and damping ratios of modes, also far narrower than the bins.
 
-About each peak the response is residue/(i omega - s) and a polynomial of the second degree for all other modes. Where
+About each peak the response is residue/(i omega - s), the same of neighbouring modes, whose poles are those of a first
+fit, and a polynomial of the second degree for all other modes. Where
 a record of the length T is transformed without a window, the response at the multiples of 1/T has this form exactly
 however long the mode rings, since exp(i omega T) is 1 there: the pole is in the complex values of neighbouring bins,
 the half-power width is not.
@@ -40,6 +41,8 @@ WIDTHS = 3.0
 """Half-power widths on each side that take part where the peak is wide."""
 HIGH = 0.6
 """Part of a peak above which its lines are counted; 0.7 is half the power, and noise is on it."""
+NO_NOISE, STRUCTURED = 3.5, 1e-3
+"""Deviations from which on lines are alike, and the part of the peak from which on that is told."""
 DIFFER = 1.5
 """Birge's ratio from which on records are said to differ."""
 
@@ -82,6 +85,12 @@ def modal_fit(
             )
     step = float(steps.mean())
     peaks = _peaks(hertz, listed, band)
+    for one in listed if peaks else ():
+        if not one.values.imag.any():
+            raise InputError(
+                f"record {one.name}: its values are real, and poles are in the phase: give complex values, or "
+                "magnitude and phase; a magnitude alone, or decibels, tell no pole"
+            )
     modes = _modes(hertz, listed, peaks)
     if not any(modes):
         raise InputError("no peak stands out of the response: give a band, or a response with finer bins")
@@ -115,7 +124,11 @@ def _apart(size: Floats, found: list[int], k: int) -> list[int]:
     """Return the peaks with one more; of two without a valley between that noise does not make, only the higher one."""
     while found:
         between = np.log(np.maximum(size[found[-1] : k + 1], np.finfo(float).tiny))
-        noise = float(np.median(np.abs(np.diff(between, 2)))) * MEDIAN_TO_DEVIATION / np.sqrt(6.0)
+        noise = (
+            0.0
+            if len(between) < 3
+            else float(np.median(np.abs(np.diff(between, 2)))) * MEDIAN_TO_DEVIATION / np.sqrt(6.0)
+        )
         if min(between[0], between[-1]) - between.min() > np.log(VALLEY) + VALLEY_NOISE * noise:
             break
         if size[found[-1]] >= size[k]:
@@ -127,21 +140,26 @@ def _apart(size: Floats, found: list[int], k: int) -> list[int]:
 def _modes(hertz: Floats, records: list[ResponseRecord], peaks: list[tuple[int, int]]) -> list[list[Pole]]:
     """Return for every peak the poles of the responses that show it."""
     fits: list[tuple[int, Peak]] = []
-    for place, (k, gap) in enumerate(peaks):
-        for one in records:
+    for one in records:
+        noise = None if one.noise is None else one.noise[: len(hertz)]
+        rough: dict[int, tuple[float, float]] = {}
+        for place, (k, gap) in enumerate(peaks):
             seen = max(int(WIDTHS * _lines_above(np.abs(one.values), k)), USUAL)
-            rough = rough_pole(hertz, one.values, k, min(seen, gap))
-            if rough is not None:
-                wide = int(WIDTHS * half_power_width(*rough) / (hertz[1] - hertz[0]))
-                noise = None if one.noise is None else one.noise[: len(hertz)]
-                fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), noise)
-                if fit is not None:
-                    fits.append((place, fit))
+            pole = rough_pole(hertz, one.values, k, min(seen, gap))
+            if pole is not None:
+                rough[place] = pole
+        for place, pole in rough.items():
+            k, gap = peaks[place]
+            wide = int(WIDTHS * half_power_width(*pole) / (hertz[1] - hertz[0]))
+            others = [other for at, other in rough.items() if at != place]
+            fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), noise, others)
+            if fit is not None:
+                fits.append((place, fit))
     poles = poles_of([fit for _, fit in fits])
     found: list[list[Pole]] = [[] for _ in peaks]
-    for (place, _), pole in zip(fits, poles, strict=True):
-        if pole is not None:
-            found[place].append(pole)
+    for (place, _), told in zip(fits, poles, strict=True):
+        if told is not None:
+            found[place].append(told)
     return found
 
 
@@ -200,9 +218,17 @@ def _result(
         width = half_power_width(frequency, ratio)
         half_power.append(None if width < BINS * step else _half_power(hertz, records, frequency, width))
         worst = max(one.misfit for one in found)
-        if worst > 0.1:
+        structured = max((one.misfit for one in found if one.alike > NO_NOISE), default=0.0)
+        if STRUCTURED < structured <= 0.1:
             doubts.append(
-                f"about {frequency:.5g} Hz one mode leaves {per_cent(100.0 * worst)} of the peak over: there are others"
+                f"about {frequency:.5g} Hz what one mode leaves over, {per_cent(100.0 * structured)} of the peak, is "
+                "no noise: neighbouring lines are alike; where another mode stands nearby, or lines were smoothed or "
+                "windowed, the intervals do not hold"
+            )
+        if worst > 0.1:
+            left = per_cent(100.0 * worst)
+            doubts.append(
+                f"about {frequency:.5g} Hz one mode leaves {left} of the peak over: there are others"
             )
     narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * step]
     if narrow:

@@ -13,7 +13,7 @@ from scipy.ndimage import maximum_filter, median_filter
 from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
 from viscorod.typing import Floats
 
-__all__ = ["MOST", "dropouts", "spikes"]
+__all__ = ["LEAST", "MOST", "STEPS", "dropouts", "spikes"]
 
 ABOUT = 201
 """Samples about one, among which its distance is unusual."""

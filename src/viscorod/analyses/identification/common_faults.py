@@ -11,7 +11,7 @@ import numpy as np
 
 from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.told import CORRELATED, whiteness
-from viscorod.records.decay_doubts import clipped_samples
+from viscorod.records.clipping import clipped_samples
 from viscorod.records.motion_record import Record
 from viscorod.records.read_off import direction_text
 from viscorod.solve.estimation.least_squares import Estimate

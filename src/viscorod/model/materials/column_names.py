@@ -158,7 +158,7 @@ def heading(cell: str) -> Heading | None:
         low = name.lower()
         strain = next((strain for strain, start in STRAINS.items() if re.match(start, low)), None)
         return Heading(
-            kind, cell.strip(), unit, strain if kind in ("storage", "complex") else None, logarithm
+            kind, cell.strip(), unit, strain if kind in ("storage", "loss", "complex") else None, logarithm
         )
     return None
 

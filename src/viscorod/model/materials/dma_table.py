@@ -125,7 +125,8 @@ def _used_factors(block: Block, given: dict[str, str | None]) -> dict[int, float
     kinds = {known.kind for known in block.columns.values()}
     needed = {"storage", "loss" if "loss" in kinds else "tan_delta" if "tan_delta" in kinds else "phase"}
     if "storage" not in kinds:
-        needed = {"complex", "tan_delta" if "tan_delta" in kinds else "phase"}
+        one = "loss" if "loss" in kinds else "complex"
+        needed = {one, "tan_delta" if "tan_delta" in kinds else "phase"}
     factors, refused = {}, {}
     for at, known in block.columns.items():
         if known.kind in ("temperature", "set_temperature", "group"):
@@ -317,13 +318,18 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
         if "storage" in values:
             storage = values["storage"]
             loss = values["loss"] if "loss" in values else tangent * storage
+        elif "loss" in values:
+            loss = values["loss"]
+            storage = loss / tangent
         else:
             storage = values["complex"] / np.hypot(1.0, tangent)
             loss = storage * tangent
     notes = []
     if "loss" not in values and "tan_delta" in values and "frequency" not in block.common:
         notes += perhaps_percent(omega, storage, tangent)
-    strains = {known.strain for known in block.columns.values() if known.kind in ("storage", "complex")}
+    strains = {
+        known.strain for known in block.columns.values() if known.kind in ("storage", "loss", "complex")
+    }
     strains.discard(None)
     units = {known.kind: known.unit or "C" for known in block.columns.values()}
     return Points(

@@ -28,6 +28,7 @@ _SAME = 1e-4
 """Relative difference of frequencies that are taken for one; 20 a decade differ by 0.12."""
 _SPIKE = {"storage": 1.1, "loss": 1.25}
 """Ratio of a point to what its neighbours lead to expect, from which on it is told."""
+_MEASURED = "measured at "
 _STIFFEST = 2e12
 """Pa; diamond has 1.2e12."""
 
@@ -48,6 +49,11 @@ class DmaTable:
     loss: Floats
     strain: str | None = None
     notes: tuple[str, ...] = ()
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """The notes without that of the temperature of a sweep that was steady."""
+        return tuple(note for note in self.notes if not (note.startswith(_MEASURED) and "; " not in note))
 
 
 @dataclass(frozen=True, eq=False)
@@ -347,7 +353,7 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
 
 def _at_temperature(sweep: Points, count: int) -> str:
     known = sweep.temperature[np.isfinite(sweep.temperature)]
-    text = f"measured at {sweep.degrees.mean():.4g} C"
+    text = f"{_MEASURED}{sweep.degrees.mean():.4g} C"
     if count > 1:
         text += f", one of {count} sweeps in the file"
     if known.size and max(known.max() - known.min(), np.abs(known - sweep.degrees.mean()).max()) > 1.0:

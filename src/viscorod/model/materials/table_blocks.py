@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import MEASURE, Heading, heading, unit_of
 from viscorod.model.materials.column_units import NOUNS, refuse_unit
-from viscorod.model.materials.table_text import SEPARATORS, Numbers, looks_like_a_number, words
+from viscorod.model.materials.table_text import SEPARATORS, Numbers, looks_like_a_number, wide_words, words
 from viscorod.model.materials.table_wide import (
     Label,
     celsius,
@@ -214,6 +214,8 @@ def _units(lines: list[str], start: int, block: Block) -> None:
     """Add the units that stand in a line below the names."""
     for line in lines[start : start + _UNITS_WITHIN]:
         cells = block.divide(line)
+        if not block.separated and len(cells) != len(block.names) == len(wide := wide_words(line)):
+            cells = wide  # "deg C" between blanks of two
         if not any(cells) or _REMARK.match(line):
             continue
         if {found.kind for cell in cells if (found := heading(cell))} >= {

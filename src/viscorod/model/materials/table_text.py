@@ -12,7 +12,7 @@ from viscorod.limits import LARGEST_TABLE
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.wording import missing
 
-__all__ = ["MISSING", "SEPARATORS", "Numbers", "lines_of", "looks_like_a_number", "words"]
+__all__ = ["MISSING", "SEPARATORS", "Numbers", "lines_of", "looks_like_a_number", "wide_words", "words"]
 
 _BINARY = {
     b"PK\x03\x04": "a workbook or an archive (.xlsx, .ods, .zip)",
@@ -105,7 +105,8 @@ def _separated(mark: str) -> Callable[[str], list[str]]:
     return cells
 
 
-def _wide(line: str) -> list[str]:
+def wide_words(line: str) -> list[str]:
+    """Return the cells between two blanks or more."""
     return re.split(r"\s{2,}", line.strip())
 
 
@@ -124,7 +125,7 @@ SEPARATORS = {
     "semicolons": (_separated(";"), _separated(";")),
     "commas": (_separated(","), _separated(",")),
     "bars": (_separated("|"), _separated("|")),
-    "wide blanks": (_wide, words),
+    "wide blanks": (wide_words, words),
     "blanks and units": (_narrow, words),
     "blanks": (words, words),
 }

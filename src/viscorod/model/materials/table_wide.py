@@ -29,7 +29,8 @@ _MODULI = ("storage", "loss", "complex", "tan_delta", "phase")
 def enough(kinds: set[str]) -> bool:
     """Return whether kinds of columns give a complex modulus."""
     angle = kinds & {"tan_delta", "phase"}
-    return bool(("storage" in kinds and (angle or "loss" in kinds)) or ("complex" in kinds and angle))
+    moduli = kinds & {"storage", "loss", "complex"}
+    return bool((moduli and angle) or {"storage", "loss"} <= kinds)
 
 
 def celsius(value: float, unit: str) -> float:

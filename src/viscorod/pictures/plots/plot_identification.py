@@ -98,7 +98,7 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes | None) -> None
             color=GREY,
             linestyle="none" if marks else "-",
             marker="o" if marks else ".",
-            markersize=6.0 if marks else 2.5,
+            markersize=6.0,
             linewidth=0.6,
             label="" if number else "measured",
         )
@@ -106,7 +106,7 @@ def _series(fit: Identification, k: int, left: Axes, right: Axes | None) -> None
             place[piece],
             predicted[piece],
             color=BLUE if number == 0 else GREEN,
-            linewidth=1.4,
+            linewidth=1.0,
             linestyle="none" if marks else dashed,
             marker="x" if marks else "",
             markersize=7.0,

@@ -15,6 +15,7 @@ from viscorod.results.frequency_response import FrequencyResponse
 from viscorod.results.periodic import Periodic
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
+from viscorod.wording import with_article
 
 if TYPE_CHECKING:
     from viscorod.results.stateless_result import StatelessResult
@@ -41,7 +42,9 @@ def curves_of(result: StatelessResult, most: int) -> str:
     elif isinstance(result, FrequencyResponse):
         parts = _response(result, most)
     else:
-        raise InputError(f"a {result.what} has no page in the browser; draw it with its method plot")
+        raise InputError(
+            f"{with_article(result.what)} has no page in the browser; draw it with its method plot"
+        )
     shown = len(parts.chosen)
     notes = [] if shown == parts.total else [f"{shown} of {parts.total} places along the curves are shown"]
     meta = {
