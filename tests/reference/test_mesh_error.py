@@ -479,3 +479,65 @@ def test_estimate_of_moments_under_a_moving_force(elements) -> None:
     middle = -np.asarray(run.history("beam@0.5", "displacement"))[:, 1]
     assert middle.max() == pytest.approx(1.2576e-3 * L, rel=1e-3)
     assert "over which the jump of forces is spread" in " ".join(run.report().split())
+
+
+def folded_rope(elements, order, gap=0.1):
+    """A soft rope of 0.8 m that hangs in a U between two points, with and without its second end held."""
+    turn = 0.5 * np.pi * gap
+    leg = 0.5 * (0.8 - turn)
+
+    def place(s):
+        if s < leg:
+            return 0.0, 0.0, -s
+        if s > leg + turn:
+            return gap, 0.0, s - 0.8
+        angle = 2.0 * (s - leg) / gap
+        return 0.5 * gap * (1.0 - np.cos(angle)), 0.0, -leg - 0.5 * gap * np.sin(angle)
+
+    points = [place(s) for s in np.linspace(0.0, 0.8, 81)]
+    material = vr.Material(2e6, poissons_ratio=0.3, density=1000.0)
+    models = []
+    for ends in (["rope.start", "rope.end"], ["rope.start"]):
+        model = vr.Model()
+        model.add(
+            "rope",
+            vr.Rod.through(
+                points, section=vr.Circle(0.0025), material=material, elements=elements, order=order
+            ),
+        )
+        for end in ends:
+            model.pin(end)
+        model.gravity()
+        models.append(model)
+    return models
+
+
+def falling_rope(elements, order, **given):
+    """The same, one end of which is let go."""
+    held, falling = folded_rope(elements, order)
+    return falling.simulate(0.4, start=held.equilibrium(), output_interval=0.004, **given)
+
+
+@pytest.mark.parametrize(("elements", "order"), [(8, 3), (8, 2)])
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # section forces ring
+def test_a_rope_that_is_let_go_tells_the_error_of_its_mesh(elements, order):
+    """Refinement: three times the elements. The motion is that of a folded chain (Schagerl et al. 1997).
+
+    It is pressed in places, where single states told 0.25 to 11 times the error, and steps choose the states.
+    """
+    fine = falling_rope(24, 3, tolerance=1e-5, errors=False)
+    length = float(fine.data["station_s"].values[-1])  # that of the splines through the points
+    runs = [falling_rope(elements, order, tolerance=tolerance) for tolerance in (1e-4, 1e-6)]
+    told = [run.mesh_errors["rope"] for run in runs]
+    for run, one in zip(runs, told, strict=True):
+        assert 1.0 < one / distance(*(along(each, "rope", length) for each in (run, fine))) < 3.0
+    assert told[0] == pytest.approx(told[1], rel=0.05)
+
+
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+def test_a_run_on_a_finer_mesh_that_is_stopped_says_that_errors_are_not_known(caplog):
+    """The motion is over, and its errors of steps are known; the last run is stopped after its first step."""
+    caplog.set_level("INFO", logger="viscorod")
+    run = falling_rope(8, 3, stop=lambda: "enough" if "elements half as long" in caplog.text else "")
+    assert run.outcome == "completed"
+    assert [one for one in run.warnings if one.startswith("the run on a finer mesh")]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import logging
 import time
 from collections.abc import Callable
 from functools import cache, partial
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.finer_run import mesh_matters, told_by_finer_run
 from viscorod.analyses.motion_attributes import begun_at_once, blows, described, failure, keep, tell
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.motion_start import held_part, initial_state, small_motions
@@ -22,7 +24,7 @@ from viscorod.analyses.motion_stepping import (
     set_off,
     stepping,
 )
-from viscorod.analyses.second_run import UNTOLD, is_needed, told_by_second_run
+from viscorod.analyses.second_run import UNTOLD, SecondRun, is_needed, second_run, told_by_second_run
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import state_arrays
@@ -35,6 +37,7 @@ from viscorod.results.run import Run
 from viscorod.results.state_arrays import StateArrays
 from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.history import History, Snapshot
+from viscorod.solve.modes.linearisation import Linearisation
 from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.refinement.noted_states import NotedStates
 from viscorod.solve.refinement.start_modes import StartModes
@@ -92,9 +95,11 @@ def _motion(
     start = state.copy()
     makers = integrator_makers(discrete, settings, state)
     modes = cache(lambda: StartModes.of(linear(), relaxing()))
-    integrator, control, chosen = stepping(
-        discrete, settings, lambda: vibrating(linear(), relaxing()), makers[0], start, modes
-    )
+
+    def stiff() -> Linearisation:
+        return vibrating(linear(), relaxing())
+
+    integrator, control, chosen = stepping(discrete, settings, stiff, makers[0], start, modes)
     ringing = set_off(discrete, settings, modes, start)
     effort = many_steps(control, settings.duration, settings, discrete.problem.periods, ringing)
     if effort:
@@ -155,22 +160,23 @@ def _motion(
     if halved is not None and result.outcome is Outcome.COMPLETED:
         errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
         told, last, unknown = errors, (integrator.t, integrator.snapshot()), ""
+        second: SecondRun | None = None
         if errors is not None and is_needed(discrete, settings, halved, errors):
-            first = _recorded(discrete, stream, labels)
-            told = told_by_second_run(
-                discrete,
-                settings,
-                errors,
-                first,
-                start,
-                makers[1],
-                lambda: vibrating(linear(), relaxing()),
-                modes,
+            logging.getLogger("viscorod").info(
+                "viscorod: the motion is computed again with smaller steps, for the errors of the first ones"
             )
-            if told is None:
-                told, unknown = errors, UNTOLD
+            first = _recorded(discrete, stream, labels)
+            second = second_run(discrete, settings, start, makers[1], stiff, modes, float(first.time[-1]))
+            if second is None:
+                unknown = UNTOLD
+            else:
+                told = told_by_second_run(discrete, errors, first, second)
         attrs |= _estimated_errors(discrete, settings, halved, last, (errors, told))
         tell(attrs, unknown)
+        if second is not None and mesh_matters(discrete):
+            of_mesh, unknown = told_by_finer_run(discrete, settings, second)
+            attrs |= of_mesh
+            tell(attrs, unknown)
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))

@@ -7,10 +7,9 @@ pendulum, makes a thousand times as much of an error as a linear motion would. T
 
 from __future__ import annotations
 
-import logging
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 
@@ -22,7 +21,7 @@ from viscorod.results.probe import PartsRead
 from viscorod.results.run import Run
 from viscorod.results.step_error import MOTION
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import History, station_reader
+from viscorod.solve.history import History, Snapshots, station_reader
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.statics.tangent import negative_eigenvalues
@@ -33,9 +32,9 @@ from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.step_control import FixedSteps, StepControl
 from viscorod.solve.transient.step_errors import FORCE_SAFETY, SAFETY, StepErrors
 from viscorod.solve.transient.transient_solver import Transient
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
-__all__ = ["UNTOLD", "is_needed", "told_by_second_run"]
+__all__ = ["UNTOLD", "SecondRun", "is_needed", "second_run", "told_by_second_run"]
 
 TURNED = 0.5
 """Rotation [rad] from which on parts that nothing holds have turned far."""
@@ -95,31 +94,47 @@ def _passes_unstable_states(discrete: DiscreteModel, halved: HalvedSteps) -> boo
     return False
 
 
-def told_by_second_run(
+class SecondRun(NamedTuple):
+    """A motion that was computed again with smaller steps.
+
+    Attributes:
+        history: of it, with states at the ``times`` [s] ``(k,)``; time_step: of equal steps [s], None of others.
+    """
+
+    history: History
+    times: Floats
+    time_step: float | None
+
+    def states(self) -> tuple[Integers, Snapshots]:
+        """Return where among all states those at the times are ``(k,)``, and all of them."""
+        there = np.searchsorted(self.history.instant, self.times * (1.0 - 1e-9))
+        return there, self.history.states()
+
+
+def second_run(
     discrete: DiscreteModel,
     settings: SimulateSettings,
-    errors: StepErrors,
-    run: Run,
     start: State,
     make: Callable[..., Integrator],
     linear: Callable[[], Any],
     modes: Callable[[], Any],
-) -> StepErrors | None:
-    """Return the errors of the steps of a motion, from its difference from the same with smaller steps.
+    end: float,
+    time_step: float | None = None,
+) -> SecondRun | None:
+    """Compute a motion again with smaller steps.
 
     Args:
-        errors: that were added up; run: the motion; start: the state at t = 0.
-        make: makes an integrator with a system of its own; linear, modes: see ``motion_stepping.stepping``.
+        start: the state at t = 0; make: makes an integrator with a system of its own.
+        linear, modes: see ``motion_stepping.stepping``; end: of the motion [s], which an event may have ended.
+        time_step: of equal steps [s]; None for smaller ones than those of the first run.
 
     Returns:
-        None if the second run ends before its time.
+        None if it ends before its time.
     """
-    logging.getLogger("viscorod").info(
-        "viscorod: the motion is computed again with smaller steps, for the errors of the first ones"
-    )
     integrator, control, _ = stepping(discrete, settings, linear, make, start, modes)
     _sharpen(integrator, control)
-    end = float(run.time[-1])  # an event may have ended it
+    if isinstance(control, FixedSteps):
+        control.time_step = time_step or control.time_step
     times = _times(settings, end)
     transient = Transient(discrete.problem, integrator, control)
     stop, progress = discrete.options.stop, discrete.options.progress
@@ -133,7 +148,18 @@ def told_by_second_run(
     )
     if result.outcome is not Outcome.COMPLETED:
         return None
-    gap, forces = _apart(discrete, run, result.history, times)
+    return SecondRun(result.history, times, control.time_step if isinstance(control, FixedSteps) else None)
+
+
+def told_by_second_run(
+    discrete: DiscreteModel, errors: StepErrors, run: Run, second: SecondRun
+) -> StepErrors:
+    """Return the errors of the steps of a motion, from its difference from the same with smaller steps.
+
+    Args:
+        errors: that were added up; run: the motion; second: the same with smaller steps.
+    """
+    gap, forces = _apart(discrete, run, second)
     gap = np.minimum(SAFETY * gap, [np.inf, np.pi])
     return replace(errors, gap=gap, forces=np.maximum(errors.forces, FORCE_SAFETY * forces))
 
@@ -162,16 +188,15 @@ def _times(settings: SimulateSettings, end: float) -> Floats:
     return np.arange(1.0, count // every + 1.0) * (every * interval)
 
 
-def _apart(discrete: DiscreteModel, run: Run, history: History, times: Floats) -> tuple[Floats, Floats]:
+def _apart(discrete: DiscreteModel, run: Run, second: SecondRun) -> tuple[Floats, Floats]:
     """Return the largest differences of positions [m] and rotations [rad], and of section forces [N] and moments [N m].
 
     Args:
-        run: the first one; history: of the second one, with states at the ``times`` [s].
+        run, second: the first one and the second one.
     """
-    states = history.states()
+    there, states = second.states()
     r, q, _, _ = station_reader(discrete.problem).read(states.r, states.q, states.twist)
-    instants = Instants.of(run.time, times, run.step_ends)
-    there = np.searchsorted(history.instant, times * (1.0 - 1e-9))
+    instants = Instants.of(run.time, second.times, run.step_ends)
     read = PartsRead(run, instants)
     moving = read.moving(np.arange(r.shape[1]))
     assert moving is not None

@@ -19,6 +19,9 @@ from viscorod.typing import Floats, Integers
 
 __all__ = ["MeshEstimate", "difference"]
 
+SAFETY = 1.5
+"""Factor on differences of two motions: the finer one has errors of its own, and times between are not compared."""
+
 LEAST_MOTION = 1e-8
 """Part of the model's length below which a motion is taken as this: round-off and the tolerance of Newton's method."""
 FAINT = 1e5
@@ -105,6 +108,16 @@ class MeshEstimate:
         most = max(1.0, min(factor, 2.0 * self.sizes[0] / max(self.gap, np.finfo(float).tiny)))
         rods = {name: most * error for name, error in self.rods.items()}
         return replace(self, gap=most * self.gap, hidden=most * self.hidden, rods=rods)
+
+    def of_runs(self, gaps: dict[str, float], lengths: dict[str, float], moved: float) -> MeshEstimate:
+        """Return the estimate with errors of positions that two whole motions show; what steps hide is beside them.
+
+        Args:
+            gaps: differences of every rod [m]; lengths: of the rods [m]; moved: the largest displacement [m].
+        """
+        rods = {name: (SAFETY * gap + self.hidden) / lengths[name] for name, gap in gaps.items()}
+        most = SAFETY * max(gaps.values()) + self.hidden
+        return replace(self, gap=most, rods=rods, moved=max(self.moved, min(moved, self.length)))
 
     def joined(self, other: MeshEstimate | None) -> MeshEstimate:
         """Return the larger errors, and the larger sizes, of two estimates of the same mesh."""

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.solve.formulations.system import System
+from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
@@ -205,6 +205,24 @@ class MeshWatch:
         stress = self._moving.other_stress(start.state, start.section_force, 0.0, before=False)
         return self._moving.rate(start.state, stress, _angles(start), 0.0, before=False)
 
+    def finer_start(self, start: Snapshot, anchor: float) -> State | None:
+        """Return the state at t = 0 on the finer mesh, in balance with the inertial forces of this one.
+
+        What reading it there leaves out of balance would set off vibrations that neither motion has.
+
+        Args:
+            start: the state; anchor: see ``Balance`` [1/s^2].
+        """
+        moving, finer, shape = self._moving, self.finer, _shape(start)
+        stress = moving.other_stress(start.state, start.section_force, 0.0, before=False)
+        rates = moving.rate(start.state, stress, shape.near, 0.0, before=False)
+        carried = finer.carried([shape])
+        inertia = moving.inertia(start.state.r, start.state.q, rates[None], carried.q)[0]
+        finer.set_prestress(read(finer.halves.points, stress))
+        balance = Balance(finer, 0.0, before=False, inertia=inertia, anchor=anchor)
+        found = self._counterpart(balance, carried)
+        return None if found is None else found.state
+
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
         if self.feasible:
@@ -290,6 +308,24 @@ class MeshWatch:
         """Take errors of positions to be so many times as large, as a motion makes those of steps."""
         if self.estimate is not None and factor > 1.0:
             self.estimate = self.estimate.grown(factor)
+
+    def see_runs(self, r: Floats, fine_r: Floats) -> None:
+        """Take errors of positions from a whole motion on both meshes, in place of what its states tell of them.
+
+        Args:
+            r, fine_r: positions of the finer stations at the same times, on both meshes ``(k, stations, 3)`` [m].
+        """
+        finer = self.finer
+        away = np.linalg.norm((r - finer.coarse_reference) - (fine_r - finer.reference), axis=-1)
+        gaps = np.maximum.reduceat(away.max(axis=0), finer.halves.finer_stations)
+        moved = float(np.linalg.norm(fine_r - finer.reference, axis=-1).max())
+        lengths = map(float, self.problem.rod_lengths)
+        if self.estimate is not None:
+            self.estimate = self.estimate.of_runs(
+                dict(zip(self.problem.rods, gaps.tolist(), strict=True)),
+                dict(zip(self.problem.rods, lengths, strict=True)),
+                moved,
+            )
 
     # --- what is said
 
