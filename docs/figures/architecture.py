@@ -38,7 +38,9 @@ WORDS = {
     "shown": "one line, cards",
     "small_drawing": "SVG of cards",
     "wording": "nearest names",
+    "quantity_text": "2.5 mm, 210 GPa",
     "units": "quantities in SI",
+    "unit_text": "units as they are typed",
     "attributes": "missing names",
 }
 WIDTH, HEIGHT = 10.0, 11.6

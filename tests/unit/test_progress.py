@@ -52,7 +52,7 @@ def test_a_short_run_has_one_line(monkeypatch, capsys):
         for done in range(101):  # ten seconds, from nothing done on
             report(done)
     told = [line.split(",")[0] for line in capsys.readouterr().err.splitlines()]
-    assert told == ["50 of 100 members", "100 of 100 members"]
+    assert told == ["60 of 100 members", "100 of 100 members"]
 
 
 def test_curves_that_fall_or_have_no_known_end(monkeypatch, capsys):

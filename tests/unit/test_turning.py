@@ -111,7 +111,7 @@ def test_meshes_that_cannot_tell_turns_are_refused(build):
 def test_the_thickness_of_a_close_coil_is_seen():
     """Curvature times half width of a coil is radius over radius of the wire, however many turns."""
     model = vr.Model()
-    model.add("coil", vr.Rod.helix(0.01, 0.001, 200, section=THIN, material=STEEL))
+    model.add("coil", vr.Rod.helix(0.01, 0.005, 200, section=THIN, material=STEEL))
     model.clamp("coil.start")
     (text,) = check(DiscreteModel.of(model)).warnings
     assert "half width times curvature of the reference shape is 0.2;" in text

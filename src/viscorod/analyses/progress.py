@@ -68,25 +68,34 @@ def counting(total: int, noun: str, *, shown: bool = True) -> Iterator[Callable[
             task = bar.add_task("", total=total, whole=0)
             yield lambda done: bar.update(task, completed=done, whole=_whole(done))
         return
-    told, last = 0, 0.0
+    told, last, waiting = 0, 0.0, ""
     first: tuple[float, float] | None = None  # when, and what was done before
 
     def update(done: float) -> None:
-        nonlocal told, first, last
+        nonlocal told, first, last, waiting
         now = time.monotonic()
         if first is None:
             first, last = (now, done), now
         part = int(_LINES * done / total * (1.0 + 1e-9))
-        if part > told and now - last >= _PAUSE:
-            told, last = part, now
-            began, start = first
-            state = f"{_whole(done)} of {total} {noun}"
-            if done > start and now > began:
-                rate = (done - start) / (now - began)
-                state += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.0f} s left"
-            print(state, file=sys.stderr, flush=True)
+        if part <= told:
+            return
+        told, waiting = part, f"{_whole(done)} of {total} {noun}"
+        began, start = first
+        if done > start and now > began:
+            rate = (done - start) / (now - began)
+            waiting += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.0f} s left"
+        if now - last >= _PAUSE:
+            last = now
+            tell()
+
+    def tell() -> None:
+        nonlocal waiting
+        if waiting:
+            print(waiting, file=sys.stderr, flush=True)
+            waiting = ""
 
     yield update
+    tell()  # the last line, unless it was told
 
 
 def _nothing(*_: float) -> None:
