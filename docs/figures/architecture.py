@@ -43,7 +43,7 @@ WORDS = {
     "unit_text": "units as they are typed",
     "attributes": "missing names",
 }
-WIDTH, HEIGHT = 10.0, 11.6
+WIDTH, HEIGHT = 10.0, 12.55
 BOX, GAP, STEP = 0.7, 0.25, 1.1
 MOST = 4
 """Wings in one row; a rung with more has several."""
