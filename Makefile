@@ -22,7 +22,7 @@ help:
 	@echo "make quick  unit and property tests but the slow ones: a minute, once kernels are compiled"
 	@echo "make test   all checks and all tests"
 	@echo "make numba  kernels of elements with four versions of Numba, each in an environment of its own"
-	@echo "make coverage  tests of kernels in pure Python: how many lines of the mechanics they reach"
+	@echo "make coverage  tests of kernels in pure Python, as before every release: how many lines of the mechanics they reach"
 	@echo "make search property tests with new random examples"
 	@echo "make fuzz   10 000 damaged versions of every shipped case, 1000 of every kind of result, damaged journals, interrupts (hours)"
 	@echo "make check  ruff, mypy, import contracts, documentation with warnings as errors"
@@ -142,7 +142,7 @@ peers: $(VENV)/.stamp-test
 # Nothing of this package is needed to build it; what the machine code is made with comes with the build. It is tried with
 # the oldest and the newest Python that it is for, where they are installed.
 PYTHONS ?= $(shell for version in 3.11 3.13; do python$$version -c '' 2>/dev/null && command -v python$$version; done)
-release: | $(BIN)/python
+release: coverage | $(BIN)/python
 	$(PIP) 'build>=1.2' 'twine>=6.0'
 	rm -rf dist
 	$(BIN)/python -m build --outdir dist .
