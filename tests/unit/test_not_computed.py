@@ -3,13 +3,13 @@
 from __future__ import annotations
 
 import json
-import tomllib
 
 import numpy as np
 import pytest
 from scipy.spatial.transform import Rotation
 
 import viscorod as vr
+from helpers.strip import content
 from viscorod.analyses import provenance
 from viscorod.casefile.case import case_from_dict
 from viscorod.mechanics.rotations.quaternion import product
@@ -20,45 +20,22 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.statics import node_turns
 
-CASE = """
-[materials.rubber]
-youngs_modulus = 1e6
-poissons_ratio = 0.3
-density = 1000.0
-damping = { kind = "kelvin_voigt", shear_time = 0.01, bulk_time = 0.01 }
-
-[rods.beam]
-shape = "straight"
-start = [0.0, 0.0, 0.0]
-end = [0.3, 0.0, 0.0]
-section = { shape = "rectangle", width = 0.01, height = 0.02 }
-material = "rubber"
-elements = 1
-order = 3
-
-[[supports]]
-kind = "clamp"
-at = "beam.start"
-
-[[loads]]
-kind = "force"
-at = "beam.end"
-value = [0.0, 0.001, 0.0]
-"""
 TIP = ("displacement", "beam.end", "y", "last")
 ASKED = {
-    "equilibrium": ("[equilibrium]", TIP),
-    "simulate": ("[simulate]\nduration = 0.05", TIP),
-    "modes": ("[modes]\ncount = 2", ("frequency", 1)),
-    "steady": ("[steady]\nspin = [0.0, 0.0, 1.0]", ("displacement", "beam.end", "x", "last")),
+    "equilibrium": ({}, TIP),
+    "simulate": ({"duration": 0.05}, TIP),
+    "modes": ({"count": 2}, ("frequency", 1)),
+    "steady": ({"spin": [0.0, 0.0, 1.0]}, ("displacement", "beam.end", "x", "last")),
 }
 MODULUS = "materials.rubber.youngs_modulus"
 
 
 @pytest.mark.parametrize("kind", ASKED)
 def test_members_of_which_a_number_is_asked_have_no_text_and_no_data_set(monkeypatch, kind):
-    table, words = ASKED[kind]
-    text = CASE if kind != "steady" else CASE.partition("[[loads]]")[0]
+    settings, words = ASKED[kind]
+    strip = content(kind, **settings)
+    if kind == "steady":
+        del strip["loads"]
     made = []
 
     def counted(owner, name):
@@ -68,7 +45,7 @@ def test_members_of_which_a_number_is_asked_have_no_text_and_no_data_set(monkeyp
     counted(ModelDescription, "to_dict")
     counted(provenance, "material_record")
     counted(StateArrays, "data_set")
-    case = case_from_dict(tomllib.loads(f"{text}\n{table}\n"))
+    case = case_from_dict(strip)
     values = {MODULUS: [1e6, 2e6]}
     asked = vr.sweep(case, values, quantities={"asked": words}, workers=1, errors=0)
     assert len(asked.completed) == 2
@@ -79,7 +56,7 @@ def test_members_of_which_a_number_is_asked_have_no_text_and_no_data_set(monkeyp
         known = json.loads(attrs["case"])["rods"]["beam"]["material"]
         assert known["youngs_modulus"] == member.values[MODULUS]
         # tau of bending, as the times of shear and bulk are the same
-        assert json.loads(attrs["damping_laws"])["beam"]["times"][3] == pytest.approx(0.01, rel=1e-12)
+        assert json.loads(attrs["damping_laws"])["beam"]["times"][3] == pytest.approx(0.02, rel=1e-12)
     assert set(made) == {"to_dict", "material_record", "data_set"}
     np.testing.assert_array_equal(asked.table()["asked"], whole.table()["asked"])
 

@@ -83,33 +83,27 @@ def test_public_names_have_docstrings():
     assert [name for name, value in shown(pages).items() if not (value.__doc__ or "").strip()] == []
 
 
-def test_code_of_the_pages_fits_their_width():
-    """Longer lines are cut at the edge of a page."""
-    kinds = r"(?:python|\{code-cell\} ipython3)"
-    long = [
+def lines_beyond(width, kinds):
+    """The lines on all pages that are longer, in blocks of these kinds (a regular expression)."""
+    return [
         f"{page.relative_to(PAGES.parent)}: {line}"
         for page in sorted(PAGES.parent.rglob("*.md"))
-        for code in re.findall(
+        for block in re.findall(
             rf"^```{kinds}\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
         )
-        for line in code.splitlines()
-        if len(line) > WIDTH
+        for line in block.splitlines()
+        if len(line) > width
     ]
-    assert long == []
+
+
+def test_code_of_the_pages_fits_their_width():
+    """Longer lines are cut at the edge of a page."""
+    assert lines_beyond(WIDTH, r"(?:python|\{code-cell\} ipython3)") == []
 
 
 def test_reports_on_pages_are_as_wide_as_they_are_printed():
     """Reports wrap at 80 columns, so a wider one on a page is older than that."""
-    wide = [
-        f"{page.stem}: {line}"
-        for page in sorted(PAGES.parent.rglob("*.md"))
-        for text in re.findall(
-            r"^```text\n(.*?)^```", page.read_text(encoding="utf-8"), re.DOTALL | re.MULTILINE
-        )
-        for line in text.splitlines()
-        if len(line) > PRINTED
-    ]
-    assert wide == []
+    assert lines_beyond(PRINTED, "text") == []
 
 
 def test_words_of_the_glossary_exist():
