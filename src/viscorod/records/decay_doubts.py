@@ -132,9 +132,8 @@ def _harmonics(fit: SineFit, order: np.ndarray) -> list[str]:
 def _driven(fit: SineFit, order: np.ndarray) -> list[str]:
     """Return a sentence if the strongest mode grows, or does not die out over many cycles."""
     first = int(order[0])
-    ratio, width = float(fit.ratios[first]), float(fit.half_widths(0.95)[1][first])
-    hertz = float(fit.frequencies[first])
-    if ratio + width < 0.0:
+    ratio, hertz = float(fit.ratios[first]), float(fit.frequencies[first])
+    if ratio < 0.0 and ratio + float(fit.half_widths(0.95)[1][first]) < 0.0:
         return [f"{hertz:.4g} Hz grows meanwhile: something drives it, and this is no free decay"]
     if lasts(fit)[first]:
         return [

@@ -32,10 +32,13 @@ def changes_at(fit: SineFit) -> float | None:
     pole = fit.poles[int(np.argmax(np.abs(fit.amplitudes)))]
     period = 2.0 * np.pi / float(pole.imag)
     best: tuple[float, float] | None = None
-    for middle in np.arange(BEFORE * period, float(times[-1]) - BEFORE * period, period / FINE):
-        about = np.abs(times - middle) <= BEFORE * period
-        if np.count_nonzero(about) < FEWEST:
+    middles = np.arange(BEFORE * period, float(times[-1]) - BEFORE * period, period / FINE)
+    first = np.searchsorted(times, middles - BEFORE * period)
+    last = np.searchsorted(times, middles + BEFORE * period, side="right")
+    for middle, begin, end in zip(middles, first, last, strict=True):
+        if end - begin < FEWEST:
             continue
+        about = slice(begin, end)
         left, size = _by_jump(times[about] - middle, values[about], pole)
         if left < LESS and size > LARGE and (best is None or left < best[0]):
             best = left, float(middle)
