@@ -7,12 +7,12 @@ import numpy as np
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
-from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
 from viscorod.solve.statics.drag_flow import drag
 from viscorod.solve.statics.newton import Convergence, Outcome
 from viscorod.typing import Floats
 
-__all__ = ["Balance", "corrected", "held_back"]
+__all__ = ["Balance", "corrected", "counterpart", "held_back"]
 
 ITERATIONS = 15
 DRAGS = (1e-13, 1e-11, 1e-9)
@@ -146,3 +146,14 @@ def corrected(balance: Balance, state: State) -> State | None:
             balance.assemble(state, moved, factor, tangent=False)
             return state
     return None
+
+
+def counterpart(balance: Balance, carried: Carried, k: int = 0) -> Shape | None:
+    """Return what one of some solutions is on the finer mesh, None if it has no counterpart there."""
+    finer = balance.finer
+    other = corrected(balance, finer.take_over(carried, k))
+    if other is None and balance.at_rest:
+        other = held_back(balance, finer.take_over(carried, k))
+    if other is None:
+        return None
+    return Shape(other, finer.system.gauss_points().section_force, carried.shapes[k].near)

@@ -11,7 +11,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import StationReader
+from viscorod.solve.history import Snapshot, StationReader
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.division import Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
@@ -35,6 +35,12 @@ class Shape:
     state: State
     section_force: Floats
     near: Floats
+
+    @classmethod
+    def of(cls, snapshot: Snapshot) -> Shape:
+        """Return what of a solution a finer mesh takes over."""
+        near = np.zeros(0) if snapshot.joints is None else snapshot.joints.value
+        return cls(snapshot.state, snapshot.section_force, near)
 
 
 @dataclass(frozen=True)

@@ -14,9 +14,10 @@ from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.refinement.correction import Balance, corrected, held_back
+from viscorod.solve.refinement.correction import Balance, counterpart
 from viscorod.solve.refinement.finer_divisions import MOST_CHOSEN_NODES, FinerDivisions, free_rods
 from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
+from viscorod.solve.refinement.finer_motion import finer_start, run_gaps
 from viscorod.solve.refinement.half_elements import read
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
 from viscorod.solve.refinement.linear_counterpart import LinearCounterpart
@@ -78,6 +79,11 @@ class MeshWatch:
         return CoarseMotion(self.finer)
 
     @property
+    def _lengths(self) -> dict[str, float]:
+        """Lengths of the rods [m]."""
+        return dict(zip(self.problem.rods, map(float, self.problem.rod_lengths), strict=True))
+
+    @property
     def feasible(self) -> bool:
         """Whether errors are wanted, and the problem is small enough for a finer one beside it."""
         return self.wanted and self.problem.size <= MOST_NODES
@@ -114,7 +120,7 @@ class MeshWatch:
         self, static: StaticSolver, start: Snapshot, scale: float, modes: StartModes | None = None
     ) -> PhaseDrift:
         """Compare the slowest vibrations about a state at rest under a multiple of the loads at t = 0."""
-        found = PhaseDrift(self._moving, static, _shape(start), scale, modes, self._at_rest)
+        found = PhaseDrift(self._moving, static, Shape.of(start), scale, modes, self._at_rest)
         self._at_rest = found.finer
         return found
 
@@ -158,15 +164,13 @@ class MeshWatch:
             self._count_in(False)
             return
         coarse = LinearModel(self.system, self._moving.supports, 0.0, start)
-        counterpart = LinearCounterpart(
-            coarse, LinearModel(finer.system, finer.supports, 0.0, rest), self._moving
-        )
+        finely = LinearCounterpart(coarse, LinearModel(finer.system, finer.supports, 0.0, rest), self._moving)
         rates, seen, shape = [], [], start.twist.shape
         noted = self.noted.with_last(last)
         for t, snapshot in noted:
-            now = counterpart.state(snapshot, t, before=True)
+            now = finely.state(snapshot, t, before=True)
             rates.append(now.acceleration.reshape(shape))
-            found = counterpart.better(
+            found = finely.better(
                 now,
                 t,
                 before=True,
@@ -174,19 +178,17 @@ class MeshWatch:
             )
             seen.append(found)
             self._count_in(True)
-        shapes = [_shape(snapshot) for _, snapshot in noted]
+        shapes = [Shape.of(snapshot) for _, snapshot in noted]
         self._take_in(finer.carried(shapes), seen, [(t, True) for t, _ in noted])
-        begun = counterpart.state(first, 0.0, before=False)
+        begun = finely.state(first, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
         self._drift(drift, [t for t, _ in noted], rates, kick)
 
     def _drift(self, drift: PhaseDrift, times: list[float], rates: list[Floats], kick: Floats) -> None:
         """Add what wrong frequencies make of the motion in time."""
         if self.estimate is not None:
-            lengths = dict(zip(self.problem.rods, map(float, self.problem.rod_lengths), strict=True))
-            self.estimate = self.estimate.drifted(
-                drift.gaps(times, rates, kick), drift.gaps(times, rates), lengths
-            )
+            gaps = drift.gaps(times, rates, kick), drift.gaps(times, rates)
+            self.estimate = self.estimate.drifted(*gaps, self._lengths)
 
     def _still(self, start: Snapshot, noted: list[tuple[float, Snapshot]]) -> bool:
         """Return whether a motion that begins at rest, in a strained shape, hardly leaves it.
@@ -203,25 +205,11 @@ class MeshWatch:
     def _begins(self, start: Snapshot) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
         stress = self._moving.other_stress(start.state, start.section_force, 0.0, before=False)
-        return self._moving.rate(start.state, stress, _angles(start), 0.0, before=False)
+        return self._moving.rate(start.state, stress, Shape.of(start).near, 0.0, before=False)
 
     def finer_start(self, start: Snapshot, anchor: float) -> State | None:
-        """Return the state at t = 0 on the finer mesh, in balance with the inertial forces of this one.
-
-        What reading it there leaves out of balance would set off vibrations that neither motion has.
-
-        Args:
-            start: the state; anchor: see ``Balance`` [1/s^2].
-        """
-        moving, finer, shape = self._moving, self.finer, _shape(start)
-        stress = moving.other_stress(start.state, start.section_force, 0.0, before=False)
-        rates = moving.rate(start.state, stress, shape.near, 0.0, before=False)
-        carried = finer.carried([shape])
-        inertia = moving.inertia(start.state.r, start.state.q, rates[None], carried.q)[0]
-        finer.set_prestress(read(finer.halves.points, stress))
-        balance = Balance(finer, 0.0, before=False, inertia=inertia, anchor=anchor)
-        found = self._counterpart(balance, carried)
-        return None if found is None else found.state
+        """Return where a motion from a state begins on the finer mesh; see :func:`finer_motion.finer_start`."""
+        return finer_start(self._moving, start, anchor)
 
     def see_steady(self, rotation: Snapshot, spin: float) -> None:
         """Estimate the errors of a steady rotation at an angular speed [rad/s]."""
@@ -239,7 +227,7 @@ class MeshWatch:
             the rates of the twists of all nodes ``(n, 6)``, of every state.
         """
         moving, finer = self._moving, self.finer
-        shapes = [_shape(snapshot) for _, snapshot in noted]
+        shapes = [Shape.of(snapshot) for _, snapshot in noted]
         stresses = [moving.other_stress(s.state, s.section_force, t, before=before) for t, s in noted]
         rates = [
             moving.rate(shape.state, stress, shape.near, t, before=before)
@@ -256,7 +244,7 @@ class MeshWatch:
             other = None
             for anchored in [0.0, resisting] if still else [resisting]:
                 balance = Balance(finer, t, before=before, inertia=inertia[k], anchor=anchored)
-                other = other or self._counterpart(balance, carried, k)
+                other = other or counterpart(balance, carried, k)
             found.append(other)
         there = [k for k, other in enumerate(found) if other is not None]
         self.found, self.lost = self.found + len(there), self.lost + len(found) - len(there)
@@ -280,20 +268,11 @@ class MeshWatch:
 
     def _estimate(self, snapshot: Snapshot, balance: Balance) -> bool:
         """Take the errors of a state into the estimate; return whether it has a counterpart on the finer mesh."""
-        carried = self.finer.carried([_shape(snapshot)])
-        found = self._counterpart(balance, carried)
+        carried = self.finer.carried([Shape.of(snapshot)])
+        found = counterpart(balance, carried)
         if found is not None:
             self._take_in(carried, [found], [(balance.t, balance.before)])
         return found is not None
-
-    def _counterpart(self, balance: Balance, carried: Carried, k: int = 0) -> Shape | None:
-        """Return what one of some solutions is on the finer mesh, None if it has no counterpart there."""
-        other = corrected(balance, self.finer.take_over(carried, k))
-        if other is None and balance.at_rest:
-            other = held_back(balance, self.finer.take_over(carried, k))
-        if other is None:
-            return None
-        return Shape(other, self.finer.system.gauss_points().section_force, carried.shapes[k].near)
 
     def _take_in(self, carried: Carried, found: list[Shape], times: list[tuple[float, bool]]) -> None:
         """Take the differences of solutions from those on the finer mesh into the estimate.
@@ -315,17 +294,9 @@ class MeshWatch:
         Args:
             r, fine_r: positions of the finer stations at the same times, on both meshes ``(k, stations, 3)`` [m].
         """
-        finer = self.finer
-        away = np.linalg.norm((r - finer.coarse_reference) - (fine_r - finer.reference), axis=-1)
-        gaps = np.maximum.reduceat(away.max(axis=0), finer.halves.finer_stations)
-        moved = float(np.linalg.norm(fine_r - finer.reference, axis=-1).max())
-        lengths = map(float, self.problem.rod_lengths)
         if self.estimate is not None:
-            self.estimate = self.estimate.of_runs(
-                dict(zip(self.problem.rods, gaps.tolist(), strict=True)),
-                dict(zip(self.problem.rods, lengths, strict=True)),
-                moved,
-            )
+            gaps, moved = run_gaps(self.finer, r, fine_r)
+            self.estimate = self.estimate.of_runs(gaps, self._lengths, moved)
 
     # --- what is said
 
@@ -393,12 +364,3 @@ class MeshWatch:
             return None
         divisions = divisions_of(self.problem)
         return divisions | {name: divisions[name].halved() for name in self.free}
-
-
-def _shape(snapshot: Snapshot) -> Shape:
-    return Shape(snapshot.state, snapshot.section_force, _angles(snapshot))
-
-
-def _angles(snapshot: Snapshot) -> np.ndarray:
-    """Return the values of all coordinates of joints, to which those on the finer mesh are near."""
-    return np.zeros(0) if snapshot.joints is None else snapshot.joints.value
