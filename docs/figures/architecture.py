@@ -42,6 +42,7 @@ WORDS = {
     "units": "quantities in SI",
     "unit_text": "units as they are typed",
     "attributes": "missing names",
+    "one_thread": "of linear algebra",
 }
 WIDTH, HEIGHT = 10.0, 12.55
 BOX, GAP, STEP = 0.7, 0.25, 1.1

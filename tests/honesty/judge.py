@@ -14,8 +14,8 @@ from honesty.random_models import Mesh, Trial, by_default, random_trial
 from viscorod.analyses.call_arguments import SimulateArguments
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion import motion
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.result_warnings import warnings_of
 from viscorod.solve.problem.division import Division, Divisions
 

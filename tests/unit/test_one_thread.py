@@ -8,7 +8,7 @@ from importlib import import_module
 from threadpoolctl import threadpool_info, threadpool_limits
 
 import viscorod as vr
-from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.one_thread import one_blas_thread
 
 
 def threads():
@@ -32,6 +32,23 @@ def test_threads_of_the_process_are_as_before():
     assert after == {2}
 
 
+def test_a_decay_takes_one_thread(monkeypatch):
+    """On a machine with other work several threads wait for each other, thirty times as long as the decay takes."""
+    import numpy as np
+
+    from viscorod.records import free_decay
+
+    import_module("scipy.linalg")
+    seen, fit = [], free_decay.best_fit
+    monkeypatch.setattr(free_decay, "best_fit", lambda *given: (seen.append(threads()), fit(*given))[1])
+    times = np.linspace(0.0, 2.0, 200)
+    with threadpool_limits(limits=2, user_api="blas"):
+        vr.decay(times, np.exp(-0.5 * times) * np.cos(20.0 * times))
+        after = threads()
+    assert set.union(*seen) == {1}
+    assert after == {2}
+
+
 def test_threads_are_as_before_when_the_last_of_several_computations_ends():
     """One begins, another begins, the first ends, the other goes on with one thread, and ends."""
     import_module("scipy.linalg")
@@ -49,7 +66,7 @@ def test_threads_are_as_before_when_the_last_of_several_computations_ends():
 FIRST = """
 import sys
 from threadpoolctl import threadpool_info
-from viscorod.analyses.one_thread import one_blas_thread
+from viscorod.one_thread import one_blas_thread
 assert "scipy.linalg" not in sys.modules
 with one_blas_thread():
     import scipy.linalg

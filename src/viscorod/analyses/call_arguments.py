@@ -15,7 +15,6 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Annotated, Any, Concatenate, ParamSpec, TypeAlias, TypeVar
 
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.casefile.case_keys import parts_of
 from viscorod.checks import file_path, flag, require_callback, text
 from viscorod.errors import Fault, InputError, let_interrupts_through
@@ -24,6 +23,7 @@ from viscorod.model.fields.arguments import given
 from viscorod.model.fields.definition import Definition, RefusedError, show
 from viscorod.model.fields.metadata import Check, Key
 from viscorod.model.fields.signature import parameters, signature
+from viscorod.one_thread import one_blas_thread
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.co_simulation import CoSimulationSettings

@@ -13,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 from viscorod.analyses.call_arguments import CallOptions, Progress
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.model import Model
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.refined_frequencies import (
     refined_buckling,
     refined_modes,
@@ -23,6 +22,7 @@ from viscorod.analyses.refined_frequencies import (
 from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.one_thread import one_blas_thread
 from viscorod.solve.settings.buckling import BucklingSettings
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.modes import ModesSettings

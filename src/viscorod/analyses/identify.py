@@ -26,6 +26,7 @@ from viscorod.casefile.case import Case
 from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import show
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.identification import Identification
 from viscorod.solve.estimation.intervals import Interval, intervals
 from viscorod.solve.estimation.least_squares import Scaled, searched
@@ -39,6 +40,7 @@ HELD_WITHIN = 1e-9
 Pairs = Sequence[tuple[Case, Any]]
 
 
+@one_blas_thread()
 def identify(
     case: Case | Pairs,
     records: Any = None,

@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError
+from viscorod.one_thread import one_blas_thread
 from viscorod.records.any_record import finite, increasing
 from viscorod.records.arguments import described
 from viscorod.records.damped_sines import SineFit, fit_sines
@@ -28,6 +29,7 @@ CONFIDENCE = 0.95
 
 
 @described
+@one_blas_thread()
 def decay(
     source: Any,
     values: Any = None,

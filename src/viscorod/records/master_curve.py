@@ -20,6 +20,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.dma_table import read_dma_sweeps
 from viscorod.model.materials.measured_sweep import DmaTable
+from viscorod.one_thread import one_blas_thread
 from viscorod.records.arguments import described
 from viscorod.records.overlap import DECADE, Overlap, overlapped
 from viscorod.records.shift_laws import LawFit, fit_arrhenius, fit_wlf
@@ -49,6 +50,7 @@ _POINT = re.compile(r"the (storage|loss) modulus at (\S+) Hz is ")
 
 
 @described
+@one_blas_thread()
 def master_curve(
     files: str | Path | Sequence[str | Path] | Sequence[Sweep],
     *,

@@ -13,9 +13,11 @@ import json
 from collections.abc import Sequence
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 from scipy.stats import t as student
 
 from viscorod.errors import Fault, InputError
+from viscorod.one_thread import one_blas_thread
 from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
 from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
@@ -33,6 +35,8 @@ STANDS_OUT = 4.0
 """Size of a peak over the median about it."""
 ABOUT = 0.15
 """Part of all frequencies, on each side, of which that median is."""
+ABOUT_LINES = 1000
+"""Lines on each side of which it is the median at most: of more, every second or third is as good."""
 USUAL = 8
 """Bins on each side that take part where the peak is narrow."""
 VALLEY, VALLEY_NOISE = 1.2, 4.0
@@ -43,11 +47,14 @@ HIGH = 0.6
 """Part of a peak above which its lines are counted; 0.7 is half the power, and noise is on it."""
 NO_NOISE, STRUCTURED = 3.5, 1e-3
 """Deviations from which on lines are alike, and the part of the peak from which on that is told."""
+HALF_POWER_WITHIN = 20.0
+"""Half-power widths on each side of a mode in which its peak is looked at."""
 DIFFER = 1.5
 """Birge's ratio from which on records are said to differ."""
 
 
 @described
+@one_blas_thread()
 def modal_fit(
     records: ResponseRecord | Sequence[ResponseRecord],
     *,
@@ -107,15 +114,13 @@ def _peaks(
     reach = max(int(ABOUT * len(size)), 3 * LEAST)
     low, high = (hertz[0], hertz[-1]) if band is None else band
     found: list[int] = []
-    for k in range(LEAST, len(size) - LEAST):
-        near = size[max(k - LEAST, 0) : k + LEAST + 1]
-        about = size[max(k - reach, 0) : k + reach + 1]
-        if (
-            low <= hertz[k] <= high
-            and size[k] == near.max()
-            and size[k] > STANDS_OUT * float(np.median(about))
-        ):
-            found = _apart(size, found, k)
+    every = max(reach // ABOUT_LINES, 1)
+    highest = maximum_filter1d(size, 2 * LEAST + 1)[LEAST:-LEAST]
+    for k in LEAST + np.flatnonzero(size[LEAST:-LEAST] == highest):
+        if low <= hertz[k] <= high:
+            about = size[max(k - reach, 0) : k + reach + 1 : every]
+            if size[k] > STANDS_OUT * float(np.median(about)):
+                found = _apart(size, found, int(k))
     ends = [0, *found, len(size) - 1]
     return [(k, max(min(k - ends[j], ends[j + 2] - k) // 2, LEAST)) for j, k in enumerate(found)]
 
@@ -262,8 +267,9 @@ def _result(
 def _half_power(hertz: Floats, records: list[ResponseRecord], frequency: float, width: float) -> float | None:
     """Return the ratio read off the half-power width, of the first record that shows it."""
     nothing = np.empty(0, dtype=complex)
+    near = np.abs(hertz - frequency) < HALF_POWER_WITHIN * width
     for one in records:
-        for peak in resonances_of(hertz, one.values, (nothing, nothing), ()):
+        for peak in resonances_of(hertz[near], one.values[near], (nothing, nothing), ()):
             if abs(peak.frequency - frequency) < width and peak.half_power is not None:
                 return peak.half_power
     return None

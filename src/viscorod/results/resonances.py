@@ -109,19 +109,11 @@ def _unseen(hertz: Floats, top: float, poles: np.ndarray, residues: np.ndarray) 
     return int(hidden[np.argmax(heights[hidden])]) if len(hidden) else None
 
 
-def _peaks(size: Floats) -> list[int]:
+def _peaks(size: Floats) -> np.ndarray:
     """Return the places of maxima that stand out from the valleys on both sides."""
-    inner = np.flatnonzero((size[1:-1] > size[:-2]) & (size[1:-1] >= size[2:])) + 1
-    found: list[int] = []
-    for k in inner:
-        left, right = size[:k], size[k + 1 :]
-        above = np.flatnonzero(left > size[k])
-        valley = left[above[-1] if len(above) else 0 :].min()
-        above = np.flatnonzero(right > size[k])
-        other = right[: above[0] + 1 if len(above) else len(right)].min()
-        if size[k] > PROMINENT * max(valley, other):
-            found.append(int(k))
-    return found
+    height = np.log(np.maximum(size, np.finfo(float).tiny))
+    _, found = scipy.signal.find_peaks(height, plateau_size=1, prominence=np.log(PROMINENT))
+    return np.asarray(found["left_edges"])
 
 
 def _summit(hertz: Floats, size: Floats) -> tuple[float, float]:

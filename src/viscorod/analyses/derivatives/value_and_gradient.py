@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.one_thread import one_blas_thread
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:

@@ -18,12 +18,12 @@ from viscorod.analyses.frequency_response import frequency_response
 from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.modes import modes
 from viscorod.analyses.motion import motion
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.path import equilibrium_path
 from viscorod.analyses.steady import steady_rotation
 from viscorod.casefile.case import Case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError, SolveError, last_warnings
+from viscorod.one_thread import one_blas_thread
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import SLACK, StaticRecord
 from viscorod.results.run import Run

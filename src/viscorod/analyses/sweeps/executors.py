@@ -29,12 +29,12 @@ from contextlib import contextmanager
 from functools import partial
 from typing import Any, TypeAlias
 
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.process_start import context, one_thread_each, without_keyboard
 from viscorod.analyses.sweeps.processes import TRIES, UNTOUCHED, Died, Work
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.sweep_members import NOT_KEPT, Found
 
 __all__ = ["Recover", "engine", "opened", "processes_of", "through"]
