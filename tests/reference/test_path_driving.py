@@ -34,7 +34,7 @@ def clamped_elastica(shortening):
 
 
 def test_progress_of_a_path_is_that_of_what_ends_it(capsys):
-    """A load of 1 N at the apex of a shallow truss grows to 43, falls and grows again; its displacement goes one way."""
+    """A load of 1 N at the apex of a shallow truss rises, falls and rises again, its displacement goes one way."""
     model = vr.Model()
     bar = vr.StiffnessSection([1e6, 1e6, 1e6, 1e3, 1e3, 1e3])
     model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0.1, 0), section=bar, elements=1, order=3))
