@@ -32,6 +32,7 @@ from viscorod.model.materials.damping_model import (
     maxwell_behaviour,
 )
 from viscorod.model.materials.dma_table import read_dma_table
+from viscorod.model.materials.moduli_over_frequency import DmaTable, perhaps_percent, tidied
 from viscorod.model.materials.nearest_kelvin_voigt import (
     Viscous,
     errors,
@@ -39,7 +40,6 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
     nearest_maxwell,
 )
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
-from viscorod.model.materials.sweeps import DmaTable, perhaps_percent, tidied
 from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from itertools import pairwise
 
@@ -11,10 +10,10 @@ import numpy as np
 
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
-from viscorod.quantity_text import per_cent
+from viscorod.model.materials.moduli_over_frequency import MEASURED, DmaTable, counted, listed, tidied
 from viscorod.typing import Floats
 
-__all__ = ["DmaTable", "Points", "every_sweep", "one_sweep", "perhaps_percent", "side_by_side", "tidied"]
+__all__ = ["Points", "every_sweep", "one_sweep", "side_by_side"]
 
 _JUMP = 2.0
 """Change of the temperature [K] from row to row that begins another sweep."""
@@ -22,38 +21,6 @@ _NEAR = 2.0
 """Distance [K] of the wanted temperature from that of a sweep."""
 _ISOTHERM = 1.0
 """Gap [K] that divides rows which are not in the order of sweeps."""
-_REPEAT = 1.25
-"""Largest ratio of storage moduli at one frequency that the scatter of one sweep explains."""
-_SAME = 1e-4
-"""Relative difference of frequencies that are taken for one; 20 a decade differ by 0.12."""
-_SPIKE = {"storage": 1.1, "loss": 1.25}
-"""Ratio of a point to what its neighbours lead to expect, from which on it is told."""
-_MEASURED = "measured at "
-_STIFFEST = 2e12
-"""Pa; diamond has 1.2e12."""
-
-
-@dataclass(frozen=True, eq=False)
-class DmaTable:
-    """Storage and loss modulus over frequency.
-
-    Attributes:
-        omega: increasing angular frequencies (n,), rad/s.
-        storage, loss: moduli (n,), Pa.
-        strain: "shear" or "extension" where the names of the columns show it, else None.
-        notes: what was chosen, averaged, left out or found doubtful on reading, one sentence each.
-    """
-
-    omega: Floats
-    storage: Floats
-    loss: Floats
-    strain: str | None = None
-    notes: tuple[str, ...] = ()
-
-    @property
-    def doubts(self) -> tuple[str, ...]:
-        """The notes without that of the temperature of a sweep that was steady."""
-        return tuple(note for note in self.notes if not (note.startswith(_MEASURED) and "; " not in note))
 
 
 @dataclass(frozen=True, eq=False)
@@ -150,82 +117,10 @@ def _usable(parts: list[Points]) -> tuple[Points, list[str], list[str]]:
     if without.line.size:
         count = without.line.size
         left_out.append(
-            f"{_counted(count, 'row')} of the file {'has' if count == 1 else 'have'} no usable numbers (missing, or "
-            f"not positive) and {'is' if count == 1 else 'are'} left out: {_listed('line', without.line)}"
+            f"{counted(count, 'row')} of the file {'has' if count == 1 else 'have'} no usable numbers (missing, or "
+            f"not positive) and {'is' if count == 1 else 'are'} left out: {listed('line', without.line)}"
         )
     return points.at(usable), notes, left_out
-
-
-def tidied(
-    omega: Floats, storage: Floats, loss: Floats, strain: str | None = None, notes: Sequence[str] = ()
-) -> DmaTable:
-    """Return a table by increasing frequency, each once, with notes on what was averaged and what is doubtful.
-
-    Raises:
-        RefusedError: the storage moduli at one frequency differ by more than scatter explains.
-    """
-    found = list(notes)
-    order = np.argsort(omega, kind="stable")
-    omega, storage, loss = _averaged(omega[order], storage[order], loss[order], found)
-    found += _spikes(omega, storage, loss)
-    if storage.max() > _STIFFEST:
-        found.append(
-            f"the storage modulus goes up to {storage.max():.4g} Pa, which no material has: check its unit"
-        )
-    return DmaTable(omega, storage, loss, strain, tuple(found))
-
-
-def _averaged(
-    omega: Floats, storage: Floats, loss: Floats, notes: list[str]
-) -> tuple[Floats, Floats, Floats]:
-    """Return increasing frequencies, each once: moduli at one frequency are averaged, which is added to the notes.
-
-    Raises:
-        RefusedError: the storage moduli at one frequency differ by more than scatter explains.
-    """
-    first = np.concatenate([[True], np.diff(omega) > _SAME * omega[1:]])
-    if first.all():
-        return omega, storage, loss
-    member = np.cumsum(first) - 1
-    count = np.bincount(member)
-    hertz = omega[first] / (2.0 * math.pi)
-    least = np.full(len(count), np.inf)
-    most = np.zeros(len(count))
-    np.minimum.at(least, member, storage)
-    np.maximum.at(most, member, storage)
-    worst = int(np.argmax(most / least))
-    if most[worst] > _REPEAT * least[worst]:
-        raise RefusedError(
-            "one frequency has different storage moduli, so this is not one sweep at one temperature",
-            "keep one sweep in the table; a file with a column of temperatures may have several (key temperature)",
-            found=f"{least[worst]:.4g} and {most[worst]:.4g} Pa at {hertz[worst]:.4g} Hz",
-        )
-    repeated = count > 1
-    notes.append(
-        f"{_counted(int(repeated.sum()), 'frequency')} stand{'s' if repeated.sum() == 1 else ''} more than once "
-        f"({_listed('', hertz[repeated])} Hz): the moduli there are averaged; the storage moduli differ by up to "
-        f"{per_cent(100.0 * (most[worst] / least[worst] - 1.0))}"
-    )
-    means = [np.bincount(member, weights=values) / count for values in (omega, storage, loss)]
-    return means[0], means[1], means[2]
-
-
-def perhaps_percent(omega: Floats, storage: Floats, tangent: Floats) -> list[str]:
-    """Tell of a tan delta far above what the slope of the storage modulus means.
-
-    Booij, Thoone, Rheol. Acta 21 (1982) 15-24: tan delta is nearly pi/2 d(ln E')/d(ln omega).
-    """
-    known = (omega > 0.0) & (storage > 0.0) & np.isfinite(tangent)
-    if np.ptp(np.log(omega[known])) < 1.0 if known.any() else True:
-        return []
-    slope = float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0])
-    usual = float(np.median(tangent[known]))
-    if usual < 0.3 or usual < 10.0 * 0.5 * math.pi * max(slope, 0.0):
-        return []
-    return [
-        f"tan delta of {usual:.4g} is far more than the slope of the storage modulus over frequency means "
-        f"({0.5 * math.pi * max(slope, 0.0):.2g}): if it is in percent, the file must say so (tan delta [%])"
-    ]
 
 
 def _joined(parts: list[Points]) -> Points:
@@ -301,13 +196,13 @@ def _with_frequencies(sweeps: list[Points], notes: list[str]) -> list[Points]:
         hertz = sorted({float(sweep.omega[0]) / (2.0 * math.pi) for sweep in single})
         first, last = (single[k].degrees.mean() for k in (0, -1))
         raise RefusedError(
-            f"the file is a sweep over temperature, at {_listed('', np.array(hertz))} Hz",
+            f"the file is a sweep over temperature, at {listed('', np.array(hertz))} Hz",
             "give a sweep over frequency at one temperature",
             found=f"{len(single)} temperatures from {first:.4g} to {last:.4g} C",
         )
     if kept and single:
         notes.append(
-            f"{_counted(len(single), 'sweep')} of one frequency only, not taken as sweeps over frequency"
+            f"{counted(len(single), 'sweep')} of one frequency only, not taken as sweeps over frequency"
         )
     return kept or sweeps
 
@@ -325,7 +220,7 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
         )
     elif temperature is None:
         raise RefusedError(
-            f"the file has sweeps at {len(sweeps)} temperatures: {_listed('', degrees, 30)} C",
+            f"the file has sweeps at {len(sweeps)} temperatures: {listed('', degrees, 30)} C",
             "choose one by the key temperature, such as temperature = "
             f"{degrees[int(np.argmin(np.abs(degrees - 20.0)))]:.4g}",
         )
@@ -342,7 +237,7 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
         if abs(degrees[nearest] - temperature) > _NEAR:
             raise RefusedError(
                 f"the file has no sweep within {_NEAR:g} K of it",
-                f"give one of {_listed('', degrees, 30)} C",
+                f"give one of {listed('', degrees, 30)} C",
                 found=f"{temperature:g}",
                 at=("temperature",),
             )
@@ -353,51 +248,9 @@ def _chosen(sweeps: list[Points], temperature: float | None, notes: list[str]) -
 
 def _at_temperature(sweep: Points, count: int) -> str:
     known = sweep.temperature[np.isfinite(sweep.temperature)]
-    text = f"{_MEASURED}{sweep.degrees.mean():.4g} C"
+    text = f"{MEASURED}{sweep.degrees.mean():.4g} C"
     if count > 1:
         text += f", one of {count} sweeps in the file"
     if known.size and max(known.max() - known.min(), np.abs(known - sweep.degrees.mean()).max()) > 1.0:
         text += f"; the sample had {known.min():.4g} to {known.max():.4g} C meanwhile"
     return text
-
-
-def _spikes(omega: Floats, storage: Floats, loss: Floats) -> list[str]:
-    """Tell of points that stand up or down from a line through their neighbours, in logarithms.
-
-    A lone point off by r leaves its neighbours off by -r/2; a bend of the curve does not.
-    """
-    if len(omega) < 6:
-        return []
-    x = np.log(omega)
-    found = []
-    for name, values in (("storage", storage), ("loss", loss)):
-        if (values <= 0.0).any():
-            continue
-        y = np.log(values)
-        off = np.zeros(len(y))
-        off[1:-1] = y[1:-1] - (y[:-2] + (y[2:] - y[:-2]) * (x[1:-1] - x[:-2]) / (x[2:] - x[:-2]))
-        for end, one, two in ((0, 1, 2), (-1, -2, -3)):
-            off[end] = y[end] - (y[one] + (y[one] - y[two]) * (x[end] - x[one]) / (x[one] - x[two]))
-        usual = 4.0 * float(np.median(np.abs(off)))
-        large = np.abs(off) > max(math.log(_SPIKE[name]), usual)
-        against = np.ones(len(y), dtype=bool)
-        against[1:] &= off[:-1] * off[1:] <= -0.25 * off[1:] ** 2
-        against[:-1] &= off[1:] * off[:-1] <= -0.25 * off[:-1] ** 2
-        for k in np.flatnonzero(large & against):
-            found.append(
-                f"the {name} modulus at {omega[k] / (2.0 * math.pi):.4g} Hz is {100.0 * math.expm1(off[k]):+.2g} % off "
-                "what its neighbours lead to expect; it is kept (band leaves out the ends)"
-            )
-    return found if len(found) <= 5 else [*found[:5], f"and {len(found) - 5} more such points"]
-
-
-def _counted(count: int, noun: str) -> str:
-    plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
-    return f"{count} {noun if count == 1 else plural}"
-
-
-def _listed(noun: str, values: Floats | np.ndarray, most: int = 6) -> str:
-    texts = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in values.tolist()]
-    rest = len(texts) - most
-    text = ", ".join(texts[:most]) + (f" and {rest} more" if rest > 0 else "")
-    return f"{noun} {text}" if noun else text
