@@ -11,7 +11,7 @@ import numpy as np
 from scipy.signal import hilbert
 
 import viscorod as vr
-from viscorod.model.materials.measured_sweep import DmaTable
+from viscorod.model.materials.moduli_over_frequency import DmaTable
 from viscorod.records.damped_sines import fit_sines, pencil_poles
 from viscorod.typing import Floats
 

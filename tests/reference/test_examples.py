@@ -77,6 +77,52 @@ def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
         sys.modules["matplotlib.pyplot"].close("all")
 
 
+QUOTED = {
+    "howto/choose_mesh.md": ("cantilever_swing",),
+    "howto/choose_integrator.md": ("cantilever_swing", "helix_spring"),
+}
+"""Pages that quote reports, and the shipped cases whose reports they are, in their order."""
+ROUNDED = 2.0
+"""Largest ratio of an estimate that is told with one digit to that of another machine."""
+
+
+@pytest.mark.parametrize(("page", "names"), QUOTED.items(), ids=str)
+def test_pages_quote_what_reports_say(page, names, results):
+    quoted = blocks(ROOT / "docs" / page, "text")
+    assert len(quoted) == len(names)
+    for text, name in zip(quoted, names, strict=True):
+        wanted, printed = text.split(), results(name).report().split()
+        first = printed.index(wanted[0])
+        assert alike(wanted, printed[first : first + len(wanted)], ROUNDED), text
+
+
+def test_the_account_that_its_page_quotes(monkeypatch):
+    """To 1e-3 of what moved, beside which the remainder and what is still in motion are rounding of the steps."""
+    monkeypatch.syspath_prepend(str(ROOT / "docs" / "figures"))
+    account = importlib.import_module("energy_account").strip().simulate(4.0).energy
+    (text,) = blocks(ROOT / "docs" / "explanation" / "energy_account.md", "text")
+    printed, quoted = str(account).split(), text.split()
+    assert len(printed) == len(quoted)
+    for word, other, unit in zip(printed, quoted, [*quoted[1:], ""], strict=True):
+        if word != other:
+            moved = 100.0 if unit == "%" else account.moved
+            assert float(word) == pytest.approx(float(other), abs=1e-3 * moved), (word, other)
+
+
+def alike(words, others, ratio):
+    """Whether texts are the same, but for numbers whose ratio is less than that."""
+    for word, other in zip(words, others, strict=True):
+        if word == other:
+            continue
+        try:
+            found = abs(float(word) / float(other))
+        except ValueError:
+            return False
+        if not 1.0 / ratio <= found <= ratio:
+            return False
+    return True
+
+
 def run_cells(page):
     """Run the cells of a page as a notebook does, in the present folder."""
     names = {"__name__": "__main__"}

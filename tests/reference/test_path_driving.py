@@ -33,6 +33,24 @@ def clamped_elastica(shortening):
     return np.sqrt(m) / ellipk(m), (4.0 * ellipk(m)) ** 2 * 2e11 * 0.02 * 0.001**3 / 12.0
 
 
+def test_progress_of_a_path_is_that_of_what_ends_it(capsys):
+    """A load of 1 N at the apex of a shallow truss rises, falls and rises again, its displacement goes one way."""
+    model = vr.Model()
+    bar = vr.StiffnessSection([1e6, 1e6, 1e6, 1e3, 1e3, 1e3])
+    model.add("bar", vr.Rod.straight((0, 0, 0), (1, 0.1, 0), section=bar, elements=1, order=3))
+    model.support("bar.start", fixed=["ux", "uy", "uz", "rx", "ry"])
+    model.support("bar.end", fixed=["ux", "uz", "rx", "ry"])
+    model.force("bar.end", (0, -1.0, 0))
+    seen = []
+    given = {"place": "bar.end", "axis": "y", "displacement": -0.05}
+    path = model.path(**given, progress=lambda reached, step: seen.append((reached, step)))
+    reached, steps = np.array(seen).T
+    assert reached == pytest.approx(path.history("bar.end", "displacement").values[:, 1], abs=1e-15)
+    assert np.cumsum(steps) == pytest.approx(reached, abs=1e-15)
+    model.path(**given, progress=True)
+    assert capsys.readouterr().err.startswith("displacement = -0.05 of -0.05 m, step -")
+
+
 @pytest.mark.parametrize("branch", [1, -1])
 def test_buckling_by_end_shortening_onto_the_branch(branch):
     """The strip shortens by P/EA too, 3e-6: 0.14011 m and 13.50 N."""

@@ -3,7 +3,7 @@
 import pytest
 
 import viscorod as vr
-from viscorod.cli.key_values import column_of, drawn, grid_of
+from viscorod.cli.key_values import column_of, drawn, grid_of, value_of
 
 READ = [
     ("1 um,2 um", ["1 um", "2 um"]),
@@ -31,6 +31,21 @@ def test_values_are_those_of_a_case_file_and_quantities_need_no_quotes(text, val
         return
     with pytest.raises(vr.InputError, match="give a key and values as in a case file"):
         column_of(f"a.b={text}")
+
+
+@pytest.mark.parametrize(
+    ("text", "what"),
+    [
+        ("rubbish", "there is no ="),
+        ("=3", "the key is missing"),
+        ("a.b=", "the value is missing"),
+        ("a.b=1,2", "one value is needed"),
+    ],
+)
+def test_one_key_with_one_value_or_what_is_missing(text, what):
+    assert value_of("a.b=1 um") == ("a.b", "1 um")
+    with pytest.raises(vr.InputError, match=rf"^--set {text}: {what}"):
+        value_of(text)
 
 
 def test_ranges_have_units():

@@ -5,7 +5,7 @@ import pytest
 
 import viscorod as vr
 from viscorod.cli.app import app
-from viscorod.model.materials.measured_sweep import DmaTable, tidied
+from viscorod.model.materials.moduli_over_frequency import DmaTable, tidied
 
 TIMES = 10.0 ** np.arange(-12.0, 7.0, 0.4)
 TRUTH = vr.RelaxationModulus(

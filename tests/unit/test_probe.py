@@ -61,6 +61,13 @@ def test_a_steady_turn_is_exact():
     assert found == pytest.approx(np.stack([np.cos(at), 0 * at, 0 * at, np.sin(at)], axis=-1), abs=1e-15)
 
 
+def test_a_quantity_in_the_place_of_times_is_told():
+    with pytest.raises(
+        vr.InputError, match="'velocity': what probe takes second are times; write quantity='velocity'"
+    ):
+        Run(rigid(0.1)).probe("rod.end", "velocity")
+
+
 def test_stored_states_come_back_as_they_are():
     run = Run(rigid(0.05))
     found, again = run.probe("rod", s=[0.0, 0.3, LENGTH]), run.probe("rod", run.time, s=[0.0, 0.3, LENGTH])

@@ -126,6 +126,20 @@ def test_view_is_the_plane_of_the_motion():
     assert (view.plane, view.name) == ((0, 2), "in the xz plane")
 
 
+def test_no_branch_hides_behind_the_trunk():
+    """Of three branches at 120 degrees one is in the plane of the trunk and the usual eye, at whichever angle it is."""
+    along = np.linspace(0.0, 1.0, 40)[:, None]
+    trunk = along * [0.0, 0.0, 1.0]
+    for first in (0.0, 30.0, 75.0):
+        angles = np.radians(first + np.array([0.0, 120.0, 240.0]))
+        directions = np.stack([np.cos(angles), np.sin(angles), np.zeros(3)], axis=1)
+        lines = np.concatenate([trunk, *(0.5 * trunk[-1] + 0.4 * along * d for d in directions)])
+        aside = np.abs(View.of(lines, lines=lines).projection @ directions.T)[0]
+        assert aside.min() > np.sin(np.radians(10.0))
+    hidden = [np.cos(np.radians(120.0)), np.sin(np.radians(120.0)), 0.0]
+    assert abs((View.of(lines).projection @ hidden)[0]) < 1e-12  # the usual eye
+
+
 @pytest.mark.parametrize(
     ("largest", "expected"),
     [(0.3, (1.0, "m")), (2e-3, (1e3, "mm")), (5e-6, (1e6, "µm")), (3e4, (1e-3, "km")), (0, (1, "m"))],

@@ -87,6 +87,15 @@ def test_pages_wrap_at_words_and_leave_numbers_beside_their_units():
     assert all(line.startswith("    word") for line in text.splitlines()[5:])
 
 
+def test_round_off_has_no_prefix():
+    """Moments of 1e-16 N m beside forces of 1 N on a model of 1 m are none: they are not told in pN m."""
+    assert numbers(("mx", "my"), "N m", [[1e-16, 0.0]], size=1.0) == [
+        ("mx [N m]", ["0"]),
+        ("my [N m]", ["0"]),
+    ]
+    assert numbers(("mx",), "N m", [2e-3, 1e-16], size=1.0) == [("mx [mN m]", ["2", "0"])]
+
+
 def test_names_longer_than_half_of_the_width_stand_above_their_numbers():
     """As the keys of a fit, of which each takes one line and its numbers another."""
     key = "materials.rubber.damping.shear_time, materials.rubber.damping.bulk_time"

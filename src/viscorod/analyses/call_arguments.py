@@ -164,8 +164,9 @@ class Progressing(Watched):
     """Arguments of analyses that report their progress."""
 
     progress: Annotated[Progress | bool | None, _kept("progress", "True or a function", _progress)] = Key(
-        "True shows how far it is; a function is called after every step with the time [s], load factor, frequency "
-        "[Hz], speed [rad/s] or amplitude that was reached, and the step; from the start again if computed again",
+        "True shows how far it is; a function is called after every step with the time [s], load factor, displacement "
+        "that ends a path [m], frequency [Hz], speed [rad/s] or amplitude that was reached, and the step; from the "
+        "start again if computed again",
         default=None,
         kw_only=True,
     )

@@ -44,6 +44,8 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         state, first = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()
     last: list[Stability] = []
+    displacement = None if settings.place is None else _displacement(discrete, settings)
+    told = 0.0
 
     def on_point(point: PathPoint) -> None:
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
@@ -54,13 +56,21 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         history.unstable.append(point.stability.unstable)
         last.append(point.stability)
         if discrete.options.progress is not None:
-            discrete.options.progress(point.factor, step)
+            nonlocal told
+            reached = point.factor if displacement is None else displacement(point)
+            discrete.options.progress(reached, reached - told)
+            told = reached
+
+    def ending(point: PathPoint) -> float:
+        assert displacement is not None
+        assert settings.displacement is not None
+        return (displacement(point) - settings.displacement) / discrete.problem.length
 
     path = PathFollower(discrete.static).follow(
         state,
         first=first,
         load_factor=settings.target,
-        endings=[_displacement(discrete, settings)] if settings.place is not None else [],
+        endings=[] if displacement is None else [ending],
         wanted=settings.load_factors,
         largest=settings.arc_length,
         points=settings.points,
@@ -93,20 +103,18 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
 
 
 def _displacement(discrete: DiscreteModel, settings: PathSettings) -> Callable[[PathPoint], float]:
-    """Return how far a displacement is from that at which a path is to end, over the model's length."""
+    """Return what tells the displacement that ends a path, from the reference shape [m]."""
     assert settings.place is not None
     assert settings.axis is not None
-    assert settings.displacement is not None
     problem, reader = discrete.problem, StationReader(discrete.problem)
     start = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))[0]
-    place = discrete.place(settings.place)
-    component, wanted = AXES.index(settings.axis), settings.displacement
+    place, component = discrete.place(settings.place), AXES.index(settings.axis)
 
-    def distance(point: PathPoint) -> float:
+    def displacement(point: PathPoint) -> float:
         position = reader.read(point.state.r, point.state.q, point.state.twist)[0]
-        return float(place.of(position - start)[component] - wanted) / problem.length
+        return float(place.of(position - start)[component])
 
-    return distance
+    return displacement
 
 
 def _failure(discrete: DiscreteModel, path: Path, history: History) -> str:

@@ -91,12 +91,28 @@ def _options(
         raise typer.Exit
 
 
+def _collect_after_start() -> None:
+    """Look for garbage after a million objects at first, for importing makes many and hardly any garbage.
+
+    Those that are there then are not looked at again, and from then on it is looked for after a hundred thousand.
+    """
+
+    def settle(phase: str, _info: dict[str, int]) -> None:
+        if phase == "stop":
+            gc.freeze()
+            gc.set_threshold(100_000)
+            gc.callbacks.remove(settle)
+
+    gc.callbacks.append(settle)
+    gc.set_threshold(1_000_000)
+
+
 def main() -> None:
     """Run the command line.
 
     The process ends at once: an orderly shutdown frees the compiled kernels one by one, which takes half a second.
     """
-    gc.set_threshold(100_000)  # importing makes many objects and little garbage
+    _collect_after_start()
     # Python hides these warnings outside of scripts; whoever writes a case file is to see a former name of a key
     warnings.filterwarnings("default", message=r"\w+ is now \w+$", category=DeprecationWarning)
     warnings.showwarning = lambda message, *_, **__: typer.echo(f"warning: {message}", err=True)

@@ -64,6 +64,19 @@ def value_of(text: str) -> tuple[str, Any]:
     Raises:
         InputError: there is no key, or not one value.
     """
+    key, sign, value = text.partition("=")
+    if not (key.strip() and sign and value.strip()):
+        what = (
+            "the value is missing"
+            if key.strip() and sign
+            else "the key is missing"
+            if sign
+            else "there is no ="
+        )
+        raise InputError(
+            f"--set {text}: {what}; write KEY=VALUE with a key of the case file and its value there, such as "
+            "rods.beam.elements=4"
+        )
     key, column = column_of(text)
     if len(column) > 1:
         raise InputError(

@@ -112,7 +112,7 @@ class Film:
         reference = np.asarray(run.data["reference_position"].values, dtype=float)
         ends = [self._assembly.ends(r, q).reshape(-1, 3) for r, q in self._states()]
         everything = np.concatenate([self._poses.position.reshape(-1, 3), reference, *ends])
-        self._view = View.of(everything)
+        self._view = View.of(everything, lines=self._curves.points(self._poses.position[0]))
         self.figure = titled(run, _WIDTH, _HEIGHT)
         self._axes = self.figure.add_subplot()
         self._view.prepare(self._axes, "")

@@ -19,7 +19,7 @@ from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.dma_table import read_dma_sweeps
-from viscorod.model.materials.measured_sweep import DmaTable
+from viscorod.model.materials.moduli_over_frequency import DmaTable
 from viscorod.one_thread import one_blas_thread
 from viscorod.records.arguments import described
 from viscorod.records.overlap import DECADE, Overlap, overlapped

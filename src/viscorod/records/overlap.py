@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import BSpline
 from scipy.optimize import least_squares
 
-from viscorod.model.materials.measured_sweep import DmaTable
+from viscorod.model.materials.moduli_over_frequency import DmaTable
 from viscorod.records.shift_noise import points_left, shift_covariance
 from viscorod.typing import Floats
 

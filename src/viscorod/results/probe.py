@@ -119,7 +119,7 @@ def history_of(
         if isinstance(data, StateArrays):  # which has the units of all data sets
             over, unit = data.along(_about(along), "axis"), _about(name)["units"]
         else:
-            over, unit = {along: data[along], "axis": list(AXES)}, data[name].attrs["units"]
+            over, unit = {along: data[along], "axis": data["axis"]}, data[name].attrs["units"]
         return xr.DataArray(
             result.vector(site, quantity),
             dims=(along, "axis"),

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from viscorod.checks import checked
-from viscorod.errors import InputError
+from viscorod.checks import checked, checked_with, numbers
+from viscorod.errors import Fault, InputError
 from viscorod.given_as import Amount, Amounts
 from viscorod.results.between_records import step_ends
 from viscorod.results.data_schema import AXES
@@ -32,6 +32,15 @@ if TYPE_CHECKING:
     from viscorod.results.self_heating import SelfHeating
 
 _STARTS_BELOW = 0.5  # a start this far below rest, as a part of the largest departure, makes minima count
+
+
+def _times(name: str, value: Any) -> Any:
+    """Return times; a word that stands there is taken for the quantity, which ``history`` takes second."""
+    if isinstance(value, str) and value.isidentifier():
+        raise InputError(
+            Fault(name, repr(value), "what probe takes second are times", f"write quantity={value!r}")
+        )
+    return numbers(name, value)
 
 
 class Run(RunPictures):
@@ -177,7 +186,7 @@ class Run(RunPictures):
 
         return poses_at(self, np.arange(self.data.sizes["station"]), instants_of(self, time))
 
-    @checked
+    @checked_with(times=_times)
     def probe(
         self,
         places: Places,

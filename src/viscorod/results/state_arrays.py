@@ -137,7 +137,7 @@ class StateArrays:
         """Return the data set, of the same arrays."""
         import xarray as xr
 
-        arrays = {name: self.variables[name] for name in self.arrays}
+        arrays = {name: _variable(*self.variables[name]) for name in self.arrays}
         return xr.Dataset(arrays, self._indexed(), attrs=dict(self.attrs))
 
     def along(self, told: dict[str, str], *others: str) -> xr.Coordinates:
@@ -160,12 +160,19 @@ class StateArrays:
         known = {name: _names(name, names) for name, names in self.places.items()}
         known[self.levels[0]] = _index(*self.levels)
         variables: dict[str, Any] = {name: variable.copy(deep=False) for name, (_, variable) in known.items()}
-        variables |= {name: xr.Variable(*given) for name, given in self.coordinates.items()}
+        variables |= {name: _variable(*self.variables[name]) for name in self.coordinates}
         return xr.Coordinates(variables, {name: index for name, (index, _) in known.items()})
 
 
 Stored: TypeAlias = "xr.Dataset | StateArrays"
 """What numbers of a result are read from."""
+
+
+def _variable(dims: tuple[str, ...], values: np.ndarray) -> xr.Variable:
+    """Return a variable of a plain array; of one that xarray does not know to be plain it would import Dask."""
+    import xarray as xr
+
+    return xr.Variable(dims, values, fastpath=True)
 
 
 def _index(name: str, values: np.ndarray) -> tuple[Any, xr.Variable]:

@@ -13,7 +13,17 @@ import numpy as np
 
 from viscorod.quantity_text import ROUND_OFF, number, per_cent, prefixed, quantity, scaled
 
-__all__ = ["above_rounding", "even", "number", "per_cent", "percent", "prefixed", "quantity", "scaled"]
+__all__ = [
+    "ROUND_OFF",
+    "above_rounding",
+    "even",
+    "number",
+    "per_cent",
+    "percent",
+    "prefixed",
+    "quantity",
+    "scaled",
+]
 
 _NO_PART = 1e-9
 """Damping ratios below it are none: eigenvalues of rotors are that wrong, and no structure damps so little."""

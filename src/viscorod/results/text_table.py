@@ -9,7 +9,7 @@ from collections.abc import Iterable, Sequence
 
 import numpy as np
 
-from viscorod.results.text_numbers import even, number, scaled
+from viscorod.results.text_numbers import ROUND_OFF, even, number, scaled
 from viscorod.typing import Floats
 
 __all__ = ["WIDTH", "Column", "fits", "listed", "numbers", "page", "table", "tabulated", "words", "wrapped"]
@@ -126,8 +126,9 @@ def numbers(
         aligned: whether all numbers of a column have as many decimals.
     """
     cells = np.asarray(values, dtype=float).reshape(-1, len(names))
-    factor, name = scaled(unit, cells) if unit else (1.0, "")
     size = float(np.max(np.abs(cells), initial=0.0)) if size is None else size
+    seen = np.where(np.abs(cells) < ROUND_OFF * size, 0.0, cells)  # round-off has no prefix of its own
+    factor, name = scaled(unit, seen) if unit else (1.0, "")
     texts = (
         even(factor * column, digits)
         if aligned

@@ -32,7 +32,7 @@ from viscorod.model.materials.damping_model import (
     maxwell_behaviour,
 )
 from viscorod.model.materials.dma_table import read_dma_table
-from viscorod.model.materials.measured_sweep import DmaTable, perhaps_percent, tidied
+from viscorod.model.materials.moduli_over_frequency import DmaTable, perhaps_percent, tidied
 from viscorod.model.materials.nearest_kelvin_voigt import (
     Viscous,
     errors,

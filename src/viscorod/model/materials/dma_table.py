@@ -21,7 +21,7 @@ from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
-from viscorod.model.materials.measured_sweep import DmaTable, perhaps_percent
+from viscorod.model.materials.moduli_over_frequency import DmaTable, perhaps_percent
 from viscorod.model.materials.sweeps import Points, every_sweep, one_sweep, side_by_side
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.fields.definition import RefusedError
-from viscorod.model.materials.measured_sweep import MEASURED, DmaTable, counted, listed, tidied
+from viscorod.model.materials.moduli_over_frequency import MEASURED, DmaTable, counted, listed, tidied
 from viscorod.typing import Floats
 
 __all__ = ["Points", "every_sweep", "one_sweep", "side_by_side"]

@@ -52,7 +52,8 @@ class _Picture(Paper):
         self.curves = {name: self._curve(name) for name in model.rods}
         points = np.concatenate([*self.curves.values(), *self._seats()])
         self.size = float(np.ptp(points, axis=0).max())
-        self.view = View.of(np.concatenate([points, *self._reaches(points)]))
+        lines = np.concatenate(list(self.curves.values())) if self.curves else None
+        self.view = View.of(np.concatenate([points, *self._reaches(points)]), lines=lines)
         if ax is None:
             self.figure = figure(10.0, 6.6)
             self.figure.subplots_adjust(right=0.79)

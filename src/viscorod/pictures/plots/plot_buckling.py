@@ -56,7 +56,7 @@ def draw_buckling(
         reach = SIZE * float(np.max(np.ptp(base, axis=0)))
         swing = Swing.of(base, result.shapes[k], still, result.rotations[k], reach)
         axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
-        view = View.of(swing.all_lines, swept=swing.swept)
+        view = View.of(swing.all_lines, swept=swing.swept, lines=curves.points(base))
         kind = "linear" if not result.exact else "it snaps" if result.limit[k] else "it buckles"
         seen = f"{view.name}, edges of what twists" if swing.edge else view.name
         view.prepare(axes, f"{k + 1}: load factor {factors[k]:.5g}, {kind}\n{seen}")

@@ -64,7 +64,7 @@ def draw_modes(
         real, turn = (np.real(part * np.exp(-1j * phase)) for part in (shape, modes.rotations[k]))
         swing = Swing.of(base, real, still, turn, reach)
         axes = picture.add_subplot(rows, columns, panel) if ax is None else ax
-        view = View.of(swing.all_lines, swept=swing.swept)
+        view = View.of(swing.all_lines, swept=swing.swept, lines=curves.points(base))
         seen = f"{view.name}, edges of what twists" if swing.edge else view.name
         view.prepare(axes, _name(k, modes) + (f"\n{seen}" if ax is None else ""))
         # what is coiled stands side by side: at rest, and at both ends of the swing

@@ -173,7 +173,8 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, span: tuple[float, 
     positions, rotations = poses.position, poses.rotation
     assembly = Assembly(run)
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]
-    view = View.of(np.concatenate([*positions, reference, *ends]), enlarged=assembly.empty)
+    everything = np.concatenate([*positions, reference, *ends])
+    view = View.of(everything, enlarged=assembly.empty, lines=curves.points(positions[0]))
     shifts = view.strip(positions) if coiled else np.zeros((times.size, 3))
     axes = picture.add_subplot(spec)
     rods = "Rod" if len(run.sites.rods) == 1 else "Rods"

@@ -42,8 +42,9 @@ def draw_shapes(axes: Axes, equilibrium: Equilibrium | Steady, columns: int = 2)
     rotations = np.asarray(equilibrium.data["rotation"].values, dtype=float)
     assembly = Assembly(equilibrium)
     ends = assembly.ends(positions[-1], rotations[-1]).reshape(-1, 3)
-    view = View.of(np.concatenate([*positions, reference, ends]), enlarged=assembly.empty)
     curves = Curves(equilibrium)
+    everything = np.concatenate([*positions, reference, ends])
+    view = View.of(everything, enlarged=assembly.empty, lines=curves.points(positions[-1]))
     coiled = curves.coiled(reference)
     turning = equilibrium.kind == "steady"
     beside = ", side by side" if coiled else ""

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.pictures.plots.line_of_sight import projection
 from viscorod.pictures.style import (
     GREY,
     INK,
@@ -35,8 +36,6 @@ _FINE, _MOST = (
     12,
     50_000,
 )  # drawn points between neighbouring stations, and of all rods unless they have more stations
-_AZIMUTH, _ELEVATION = math.radians(-60.0), math.radians(25.0)  # of the usual eye, z upwards
-_SEEN = 0.15  # of the squares of what is swept over, below which another eye is sought
 _COILED = 2.5  # a rod longer than this multiple of its extent hides what is drawn over it
 _CORNER = (0.09, 0.05)  # of the axes, where its directions are shown
 _REACH, _LETTER = 34.0, 10.0  # of their arrows and of the letters there [pixels at 72 per inch]
@@ -68,13 +67,21 @@ class View:
     across: tuple[int, float, str] | None = None
 
     @classmethod
-    def of(cls, positions: Floats, *, enlarged: bool = False, swept: Floats | None = None) -> View:
+    def of(
+        cls,
+        positions: Floats,
+        *,
+        enlarged: bool = False,
+        swept: Floats | None = None,
+        lines: Floats | None = None,
+    ) -> View:
         """Choose the view of positions ``(..., 3)`` [m].
 
         Args:
             positions: of everything that is drawn; enlarged: whether what hardly leaves a line is drawn larger.
             swept: normals ``(..., 3)`` of what moving lines sweep over, long where they move far: where a view in
                 space looks across them, the motion is along the line of sight, or along the line, and is not seen.
+            lines: points ``(k, 3)`` [m] along the lines of one state, which are not to hide each other.
         """
         points = positions.reshape(-1, 3)
         extent = np.ptp(points, axis=0)
@@ -90,7 +97,7 @@ class View:
                 across = (slight, *scaled("m", low))
             return cls(np.eye(3)[[first, second]], (first, second), 0.0, scale, unit, across=across)
         floor = float(points[:, 2].min()) - 0.1 * largest
-        return cls(_projection(points, swept), None, floor, scale, unit)
+        return cls(projection(points, swept, lines), None, floor, scale, unit)
 
     def strip(self, positions: Floats) -> Floats:
         """Return shifts ``(count, 3)`` [m] that set states ``(count, station, 3)`` side by side on paper."""
@@ -222,11 +229,15 @@ class Curves:
         for stations, weights in self._taken:
             yield np.einsum("kw,kwc->kc", weights, positions[stations])
 
+    def points(self, positions: Floats) -> Floats:
+        """Return the drawn points of all rods at station positions ``(station, 3)`` [m], ``(k, 3)``."""
+        return np.concatenate(list(self._rods(positions))) if self._taken else np.zeros((0, 3))
+
     def draw(self, axes: Axes, view: View, positions: Floats, **line: Any) -> None:
         """Draw all rods at station positions ``(station, 3)`` [m], with matplotlib's line properties."""
         if not self._taken:
             return
-        points = np.insert(np.concatenate(list(self._rods(positions))), self._ends[:-1], np.nan, axis=0)
+        points = np.insert(self.points(positions), self._ends[:-1], np.nan, axis=0)
         if view.plane is None:
             shadow = points.copy()
             shadow[:, 2] = view.floor
@@ -241,28 +252,6 @@ class Curves:
             if length > _COILED * float(np.linalg.norm(np.ptp(curve, axis=0))):
                 return True
         return False
-
-
-def _projection(points: Floats, swept: Floats | None) -> Floats:
-    """Return the projection of a view in space: the usual one, or one that shows more of what is swept over.
-
-    Points ``(n, 3)`` should not hide each other there either: the product of both parts that are seen decides.
-    """
-    around = _AZIMUTH + np.radians([0.0, 20.0, -20.0, 45.0, -45.0, 90.0])
-    e, zero = _ELEVATION, np.zeros_like(around)
-    right = np.stack([-np.sin(around), np.cos(around), zero], axis=-1)
-    up = np.stack(
-        [-np.sin(e) * np.cos(around), -np.sin(e) * np.sin(around), np.full_like(around, np.cos(e))], axis=-1
-    )
-    views: Floats = np.stack([right, up], axis=1)
-    usual: Floats = views[0]
-    total = 0.0 if swept is None else float(np.sum(swept**2))
-    if swept is None or total == 0.0:
-        return usual
-    area = np.sum((swept.reshape(-1, 3) @ np.cross(right, up).T) ** 2, axis=0) / total
-    spread = np.sum(((points - points.mean(axis=0)) @ views.transpose(0, 2, 1)) ** 2, axis=(1, 2))
-    best: Floats = views[int(np.argmax(area * spread))]
-    return usual if area[0] >= _SEEN else best
 
 
 def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> None:

@@ -13,7 +13,12 @@ import numpy as np
 from viscorod.pictures.viewer.packing import Pack
 from viscorod.typing import Floats
 
-__all__ = ["CurveParts"]
+__all__ = ["CurveParts", "places"]
+
+
+def places(count: int, most: int, kept: list[int] | None = None) -> np.ndarray:
+    """Return numbers of ``count`` places, ``most`` of them evenly and those to be kept."""
+    return np.unique([*np.linspace(0, count - 1, min(count, most)).round().astype(int), *(kept or [])])
 
 
 class CurveParts:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import json
+import math
 import time
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
@@ -180,7 +181,9 @@ class JournalStream(Stream):
             if found.doubt:
                 self.journal.forget_last_checkpoint()
         self.doubt = "; ".join(filter(None, told))
-        self._flushed = self._checked = time.monotonic()
+        self._flushed = self._checked = (
+            math.nan
+        )  # until the first step is done, which loads or compiles its code
         self._cost = 0.0
 
     def flush(self) -> None:
@@ -192,6 +195,8 @@ class JournalStream(Stream):
     def after_step(self, state: Callable[[], Any]) -> None:
         """Write what is due: states, and with ``state`` from what the run can go on."""
         now = time.monotonic()
+        if math.isnan(self._checked):
+            self._flushed = self._checked = now
         if now - self._flushed > FLUSH or len(self.instant) >= MANY:
             self.flush()
         if now - self._checked > max(CHECKPOINT, self._cost / SHARE):

@@ -13,7 +13,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.materials.complex_moduli import ComplexModuli
 from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
-from viscorod.model.materials.measured_sweep import DmaTable
+from viscorod.model.materials.moduli_over_frequency import DmaTable
 from viscorod.solve.formulations.system import GaussPositions
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats

@@ -20,6 +20,7 @@ from viscorod.model.fields.values import (
     one_of,
     whole_number,
 )
+from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.mesh import Meshed
 from viscorod.solve.settings.stages import Stages
 from viscorod.solve.start import OptionalStart
@@ -147,6 +148,13 @@ class PathSettings(Meshed):
         if self.load_factor is None and self.displacement is None and self.limit_point is None:
             return self.load_factors[-1] if self.load_factors else 1.0
         return self.load_factor
+
+    @property
+    def course(self) -> Course:
+        """See :class:`Meshed`: the displacement that ends the path, or the load factor, whose end may be unknown."""
+        if self.displacement is not None:
+            return Course("displacement", " m", 0.0, self.displacement)
+        return Course("load factor", "", 0.0, self.target)
 
     @model_validator(mode="after")
     def _whole(self) -> Self:

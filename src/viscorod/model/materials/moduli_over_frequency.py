@@ -1,4 +1,4 @@
-"""Storage and loss modulus over frequency: each frequency once, and what is doubtful told."""
+"""A table of moduli over frequency from measured points: each frequency once, what is doubtful told."""
 
 from __future__ import annotations
 
@@ -20,10 +20,10 @@ _SAME = 1e-4
 """Relative difference of frequencies that are taken for one; 20 a decade differ by 0.12."""
 _SPIKE = {"storage": 1.1, "loss": 1.25}
 """Ratio of a point to what its neighbours lead to expect, from which on it is told."""
+MEASURED = "measured at "
+"""How the note on the temperature of a sweep begins."""
 _STIFFEST = 2e12
 """Pa; diamond has 1.2e12."""
-MEASURED = "measured at "
-"""How the note of the temperature of a sweep begins."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -103,6 +103,24 @@ def _averaged(
     return means[0], means[1], means[2]
 
 
+def perhaps_percent(omega: Floats, storage: Floats, tangent: Floats) -> list[str]:
+    """Tell of a tan delta far above what the slope of the storage modulus means.
+
+    Booij, Thoone, Rheol. Acta 21 (1982) 15-24: tan delta is nearly pi/2 d(ln E')/d(ln omega).
+    """
+    known = (omega > 0.0) & (storage > 0.0) & np.isfinite(tangent)
+    if np.ptp(np.log(omega[known])) < 1.0 if known.any() else True:
+        return []
+    slope = float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0])
+    usual = float(np.median(tangent[known]))
+    if usual < 0.3 or usual < 10.0 * 0.5 * math.pi * max(slope, 0.0):
+        return []
+    return [
+        f"tan delta of {usual:.4g} is far more than the slope of the storage modulus over frequency means "
+        f"({0.5 * math.pi * max(slope, 0.0):.2g}): if it is in percent, the file must say so (tan delta [%])"
+    ]
+
+
 def _spikes(omega: Floats, storage: Floats, loss: Floats) -> list[str]:
     """Tell of points that stand up or down from a line through their neighbours, in logarithms.
 
@@ -133,32 +151,14 @@ def _spikes(omega: Floats, storage: Floats, loss: Floats) -> list[str]:
     return found if len(found) <= 5 else [*found[:5], f"and {len(found) - 5} more such points"]
 
 
-def perhaps_percent(omega: Floats, storage: Floats, tangent: Floats) -> list[str]:
-    """Tell of a tan delta far above what the slope of the storage modulus means.
-
-    Booij, Thoone, Rheol. Acta 21 (1982) 15-24: tan delta is nearly pi/2 d(ln E')/d(ln omega).
-    """
-    known = (omega > 0.0) & (storage > 0.0) & np.isfinite(tangent)
-    if np.ptp(np.log(omega[known])) < 1.0 if known.any() else True:
-        return []
-    slope = float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0])
-    usual = float(np.median(tangent[known]))
-    if usual < 0.3 or usual < 10.0 * 0.5 * math.pi * max(slope, 0.0):
-        return []
-    return [
-        f"tan delta of {usual:.4g} is far more than the slope of the storage modulus over frequency means "
-        f"({0.5 * math.pi * max(slope, 0.0):.2g}): if it is in percent, the file must say so (tan delta [%])"
-    ]
-
-
 def counted(count: int, noun: str) -> str:
-    """Return how many there are, in words."""
+    """Return how many there are, with the noun in its number."""
     plural = noun[:-1] + "ies" if noun.endswith("y") else noun + "s"
     return f"{count} {noun if count == 1 else plural}"
 
 
 def listed(noun: str, values: Floats | np.ndarray, most: int = 6) -> str:
-    """Return the first ``most`` values, and how many more there are, after what they are."""
+    """Return values in words after a noun, which may be empty: the first ones, and how many more there are."""
     texts = [f"{value:.4g}" if isinstance(value, float) else str(value) for value in values.tolist()]
     rest = len(texts) - most
     text = ", ".join(texts[:most]) + (f" and {rest} more" if rest > 0 else "")
