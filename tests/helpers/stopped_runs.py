@@ -14,7 +14,7 @@ from viscorod.results.files.journal_folder import FOLDER
 TWINS = ("states.json", "states.twin.json", "layout.nc", "layout.twin.nc")
 FILES = ("states.bin", *TWINS, "checkpoint.npz", "before.npz")
 KINDS = ("missing", "empty", "cut", "flip", "zeros", "other", "longer")
-GIVEN = {"duration": 0.4, "integrator": "midpoint", "time_step": 0.02, "output_interval": 0.008}
+GIVEN = {"duration": 0.24, "integrator": "midpoint", "time_step": 0.02, "output_interval": 0.008}
 
 
 def swing():

@@ -57,13 +57,16 @@ def shipped(name, **more):
 
 
 RUNS = {
-    "radau": lambda: (swing(), {"duration": 2.0}),
-    "loads that jump": lambda: (pushed(), {"duration": 1.2, "output_interval": 0.03}),
-    "midpoint": lambda: (swing(), {"duration": 0.4, "integrator": "midpoint", "time_step": 0.01}),
-    "generalised-alpha": lambda: (swing(), {"duration": 0.3, "integrator": "generalized_alpha"}),
-    "intrinsic": lambda: (swing(), {"duration": 1.0, "formulation": "intrinsic"}),
-    "Maxwell": lambda: (maxwell(), {"duration": 0.7}),
-    "joints": lambda: shipped("four_bar", duration=0.4),
+    "radau": lambda: (swing(), {"duration": 0.8}),
+    "loads that jump": lambda: (pushed(), {"duration": 0.3, "output_interval": 0.01}),
+    "midpoint": lambda: (swing(), {"duration": 0.16, "integrator": "midpoint", "time_step": 0.01}),
+    "generalised-alpha": lambda: (
+        swing(),
+        {"duration": 0.09, "integrator": "generalized_alpha", "time_step": 0.003},
+    ),
+    "intrinsic": lambda: (swing(), {"duration": 0.4, "formulation": "intrinsic"}),
+    "Maxwell": lambda: (maxwell(), {"duration": 0.3}),
+    "joints": lambda: shipped("four_bar", duration=0.15),
     "drag": lambda: (in_water(), {"duration": 0.15}),
 }
 
@@ -77,7 +80,7 @@ def in_water():
 
 def pushed():
     model = swing()
-    model.force("beam.end", (0, 0, 0.02), time=vr.TimeTable([0, 0.5, 0.5, 1.0, 1.0, 2.0], [0, 0, 1, 1, 0, 0]))
+    model.force("beam.end", (0, 0, 0.02), time=vr.TimeTable([0, 0.1, 0.1, 0.2, 0.2, 0.4], [0, 0, 1, 1, 0, 0]))
     return model
 
 

@@ -92,24 +92,28 @@ def solve_twice(factors, b, c):
 @pytest.mark.parametrize("model", MODELS)
 def test_solutions_are_those_of_dense_matrices(model, kind):
     pattern, interiors, nodes = MODELS[model]
+    sides = [right_side(6 * pattern.size, kind, seed) for seed in (3, 4, 5)]
+    dense = []  # what every way is compared with
+    for seed in range(2):
+        blocks = values(pattern, nodes, kind, seed)
+        matrix = pattern.sparse(blocks).toarray()
+        expected = [
+            *np.linalg.solve(matrix, np.column_stack(sides[:2])).T,
+            np.linalg.solve(matrix.T, sides[2]),
+        ]
+        dense.append((blocks, expected, 1e-16 * np.linalg.cond(matrix) * 1e3))
     for plan in [*plans(pattern, interiors), sparse_plan(pattern, interiors), sparse_plan(pattern, ())]:
         solver = DirectSolver(plan, kind)
-        for seed in range(2):
-            blocks = values(pattern, nodes, kind, seed)
+        for blocks, (expected_b, expected_c, expected_d), scale in dense:
             kept = blocks.copy()
-            dense = pattern.sparse(blocks).toarray()
             solver.factorise(blocks)
             np.testing.assert_array_equal(blocks, kept)
-            b, c = right_side(6 * pattern.size, kind), right_side(6 * pattern.size, kind, 4)
-            expected_b, expected_c = np.linalg.solve(dense, np.column_stack([b, c])).T
+            b, c, d = (side.copy() for side in sides)
             nodal = b.reshape(-1, 6).copy()
             assert solver.solve(nodal) is nodal
             solve_twice(solver.factors, b, c)
             solver.check()
-            scale = 1e-16 * np.linalg.cond(dense) * 1e3
-            d = right_side(6 * pattern.size, kind, 5)
-            expected_d = np.linalg.solve(dense.T, d)
-            turned = solver.solve(d.copy(), transposed=True)
+            turned = solver.solve(d, transposed=True)
             for found, expected in (
                 (nodal.ravel(), expected_b),
                 (b, expected_b),
@@ -124,21 +128,21 @@ def test_solutions_are_those_of_dense_matrices(model, kind):
 def test_rows_that_do_not_move_are_left_out(model, kind):
     """Solutions are those of the dense matrix of all other rows, also for joints and inner nodes that are left out."""
     pattern, interiors, nodes = MODELS[model]
+    blocks, b = values(pattern, nodes, kind), right_side(6 * pattern.size, kind)
+    whole = pattern.sparse(blocks).toarray()
     for without in ((0,), (0, nodes - 1), (1, 2)):
+        moving = np.repeat(~np.isin(np.arange(pattern.size), without), 6)
+        dense = whole[np.ix_(moving, moving)]
+        condition = np.linalg.cond(dense)
+        if condition > 1e10:  # a multiplier that couples only with what is left out
+            continue
+        solutions = [np.linalg.solve(matrix, b[moving]) for matrix in (dense, dense.T)]
         for plan in plans(pattern, interiors, without):
             solver = DirectSolver(plan, kind)
-            blocks = values(pattern, nodes, kind)
-            moving = np.repeat(~np.isin(np.arange(pattern.size), without), 6)
-            dense = pattern.sparse(blocks).toarray()[np.ix_(moving, moving)]
-            if np.linalg.cond(dense) > 1e10:  # a multiplier that couples only with what is left out
-                continue
             solver.factorise(blocks)
-            b = right_side(6 * pattern.size, kind)
-            for transposed in (False, True):
-                matrix = dense.T if transposed else dense
-                found = solver.solve(b.copy(), transposed=transposed)
-                expected = np.linalg.solve(matrix, b[moving])
-                scale = 1e-13 * np.linalg.cond(dense) * np.abs(expected).max()
+            for transposed, expected in enumerate(solutions):
+                found = solver.solve(b.copy(), transposed=bool(transposed))
+                scale = 1e-13 * condition * np.abs(expected).max()
                 np.testing.assert_allclose(found[moving], expected, atol=scale, rtol=0)
                 np.testing.assert_array_equal(found[~moving], b[~moving])
 
