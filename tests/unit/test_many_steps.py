@@ -2,29 +2,22 @@
 
 from __future__ import annotations
 
-import json
-
 import numpy as np
 import pytest
 from numba import types
 
 import viscorod as vr
+from helpers.steps_at_once import count_taken, require_same_rest, require_same_steps, transient
 from viscorod.analyses.warmup import compile_loop
 from viscorod.errors import InputError
 from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.rotations.rotation import motion_extent
-from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.geometric_system import GeometricSystem
-from viscorod.solve.formulations.system import State
-from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient import many_steps, transient_solver
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.many_steps import ManySteps
-from viscorod.solve.transient.step_control import ErrorControl
-from viscorod.solve.transient.transient_solver import Transient
 
 pytestmark = pytest.mark.skipif(PURE_PYTHON, reason="nothing is compiled")
 
@@ -38,16 +31,7 @@ def loop():
 @pytest.fixture
 def taken(monkeypatch):
     """How many steps were taken at once, call by call; of one run, also where errors would be told by a second one."""
-    monkeypatch.setattr("viscorod.analyses.motion.is_needed", lambda *_: False)
-    counts, take = [], ManySteps.take
-
-    def counted(self, *given):
-        found = take(self, *given)
-        counts.append(len(found.ends))
-        return found
-
-    monkeypatch.setattr(ManySteps, "take", counted)
-    return counts
+    return count_taken(monkeypatch)
 
 
 def soft(damping):
@@ -283,16 +267,9 @@ def bent_out_of_two():
         (free, {"tolerance": 1e-3}),  # a third of the attempts do not converge
     ],
 )
-def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken, monkeypatch):
+def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken):
     """All data, and all that a result says of its steps and of their errors."""
-    at_once = make().simulate(0.6, initial="reference", **given)
-    assert sum(taken) == at_once.data.attrs["steps"]
-    monkeypatch.setattr(ManySteps, "of", lambda *_, **__: None)
-    one_by_one = make().simulate(0.6, initial="reference", **given)
-    assert at_once.data.identical(one_by_one.data.assign_attrs(at_once.data.attrs))
-    apart = {key for key, value in one_by_one.data.attrs.items() if at_once.data.attrs.get(key) != value}
-    assert {key for key in apart if "time" not in key} == set()
-    assert json.loads(at_once.data.attrs["warnings"]) == json.loads(one_by_one.data.attrs["warnings"])
+    require_same_steps(make, 0.6, taken, **given)
 
 
 def test_elements_of_several_orders_are_linearised_in_the_loop(taken, monkeypatch):
@@ -312,15 +289,6 @@ def test_attempts_that_do_not_converge_stay_in_the_loop(taken):
     run = free().simulate(0.6, initial="reference", tolerance=1e-3)
     assert run.data.attrs["rejected"] > 3
     assert sum(taken) == run.data.attrs["steps"]
-
-
-def transient(model, duration):
-    """A motion of radau."""
-    problem = discretise(model)
-    system = GeometricSystem(problem)
-    integrator = Radau(system, SupportState(problem), tolerance=1e-4)
-    control = ErrorControl(integrator.estimate_order, duration / 10, duration)
-    return Transient(problem, integrator, control), State.reference(problem)
 
 
 def test_corners_are_passed_at_once(taken, monkeypatch):
@@ -344,23 +312,9 @@ def test_corners_are_passed_at_once(taken, monkeypatch):
 def test_a_run_goes_on_from_a_step_that_was_taken_with_others(make, taken, monkeypatch):
     """Bit for bit, from a checkpoint in the middle."""
     monkeypatch.setattr(many_steps, "MOST_STEPS", 5)
-    whole, state = transient(make(), 0.4)
-    end = whole.run(state, 0.4).history.snapshots[-1]
-    first, state = transient(make(), 0.4)
-    half = first.run(state, 0.4, after_step=lambda: "enough" if first.integrator.t > 0.2 else "")
-    assert half.outcome is Outcome.INTERRUPTED
-    assert half.between_steps
-    second, state = transient(make(), 0.4)
-    rest = second.run(state, 0.4, checkpoint=first.saved())
+    account = require_same_rest(make, 0.4)
     assert sum(taken) > 0
-    assert len(whole.account.branches) == (2 if make is relaxing else 0)
-    for one, other in zip(end[1:4], rest.history.snapshots[-1][1:4], strict=True):
-        np.testing.assert_array_equal(one, other)
-    np.testing.assert_array_equal(end.state.r, rest.history.snapshots[-1].state.r)
-    assert second.account.recorded == whole.account.recorded
-    np.testing.assert_array_equal(second.account.branches, whole.account.branches)
-    if end.branch_strain is not None:
-        np.testing.assert_array_equal(end.branch_strain, rest.history.snapshots[-1].branch_strain)
+    assert len(account.branches) == (2 if make is relaxing else 0)
 
 
 class Told:

@@ -186,15 +186,20 @@ def small_model() -> Model:
     return model
 
 
-def small_assembly() -> Model:
-    """Build a rod that does not shear, a hinge with a spring, an arm that bends itself: each has its own kernels."""
+def small_hinged(law: CubicBending | None = None) -> Model:
+    """Build a rod that does not shear, and a hinge with a spring to an arm: each has its own kernels."""
     model = soft_model()
     beam = model.rods["beam"]
     model.rods["beam"] = beam.model_copy(update={"constraints": ("unshearable",)})
     start, end = (SIZE, 0, 0), (2 * SIZE, 0, 0)
-    law = CubicBending(SIZE**2)
     model.add("arm", Rod.straight(start, end, section=beam.section, material=beam.material, law=law))
     model.revolute("arm.start", "beam.end", (0, 0, 1), stiffness={"rz": 1e-6}, damping={"rz": 1e-9})
+    return model
+
+
+def small_assembly() -> Model:
+    """Build the same, whose arm has a law of its own and bends itself."""
+    model = small_hinged(CubicBending(SIZE**2))
     model.rest_strain("arm", (0, 0, 0, 1e-3, 0, 0), time=Ramp(0.0, SPAN, 1.0))
     return model
 
@@ -240,11 +245,12 @@ def compile_step() -> None:
 
 
 def compile_loop() -> None:
-    """Compile the loop of radau's steps, which runs use if it is there."""
-    work = DiscreteModel.of(soft_model())
-    radau = Radau(work.system, work.supports, tolerance=1e-4)
-    radau.start(0.0, State.reference(work.problem))
-    ManySteps(radau, ErrorControl(radau.estimate_order, SPAN, SPAN), SPAN, None).compile()
+    """Compile the loop of radau's steps, and what joints have in it, which runs use if it is there."""
+    for model in (soft_model(), small_hinged()):
+        work = DiscreteModel.of(model)
+        radau = Radau(work.system, work.supports, tolerance=1e-4)
+        radau.start(0.0, State.reference(work.problem))
+        ManySteps(radau, ErrorControl(radau.estimate_order, SPAN, SPAN), SPAN, None).compile()
 
 
 def compile_transients() -> None:

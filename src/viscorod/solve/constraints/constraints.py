@@ -178,7 +178,9 @@ class Constraints(HeldCoordinates):
 
     def _stiffest(self, K: Floats) -> float:
         """Return the largest diagonal entry of all nodes with their inertia, or of springs, or 1."""
-        return self._largest(K, self.pace**2) or float(np.abs(self._stiffness).max(initial=0.0)) or 1.0
+        return (
+            self._largest(K, self.pace * self.pace) or float(np.abs(self._stiffness).max(initial=0.0)) or 1.0
+        )
 
     def _largest(self, K: Floats, inertia: float = 0.0) -> float:
         """Return the largest diagonal entry of all nodes, displacements measured in the unit of the matrix."""

@@ -200,6 +200,11 @@ class HeldCoordinates:
             mine[:] = its
 
     @property
+    def drives_rotations(self) -> bool:
+        """Whether motors drive components of rotation vectors."""
+        return len(self._rotations) > 0
+
+    @property
     def largest_turn(self) -> float:
         """Largest rotation [rad] of motors at the time of the last update."""
         turns = [

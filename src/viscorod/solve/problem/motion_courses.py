@@ -2,26 +2,41 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
 from numpy.polynomial import legendre
 
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.nodes.table_motions import TableMotions
+from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import TimeTable
+from viscorod.solve.problem.joint_set import JointSet
 from viscorod.solve.problem.load_courses import known_course
 from viscorod.solve.problem.problem import SupportSet
 from viscorod.typing import Floats
 
-__all__ = ["course_motions", "hermite_terms", "samples_of", "table_motions"]
+__all__ = ["course_motions", "course_motors", "hermite_terms", "samples_of", "table_motions"]
 
 
 def course_motions(supports: SupportSet) -> MotionCourses | None:
     """Return the motions of supports; None if some are other functions of time."""
+    return _courses(supports.motions, (len(supports.nodes), 6))
+
+
+def course_motors(joints: JointSet) -> MotionCourses | None:
+    """Return what drives coordinates of joints, as components of one support; None as of :func:`course_motions`."""
+    return _courses([(0, number, motion) for number, motion in joints.motions], (1, joints.count))
+
+
+def _courses(
+    motions: Iterable[tuple[int, int, TimeFunction]], shape: tuple[int, int]
+) -> MotionCourses | None:
     where: list[tuple[int, int]] = []
     formulas: list[int] = []
     begins: list[int] = []
     numbers: list[float] = []
-    for support, component, motion in supports.motions:
+    for support, component, motion in motions:
         known = known_course(motion)
         if known is None:
             return None
@@ -37,7 +52,7 @@ def course_motions(supports: SupportSet) -> MotionCourses | None:
         np.array(formulas, dtype=np.int64),
         np.array(begins, dtype=np.int64),
         np.array(numbers),
-        np.zeros((len(supports.nodes), 6)),
+        np.zeros(shape),
     )
 
 

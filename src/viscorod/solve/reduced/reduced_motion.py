@@ -252,6 +252,11 @@ class ReducedMotion:
                 return False
         return True
 
+    @property
+    def section_force(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self.snapshot().section_force
+
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self.model.snapshot(self.state, self._y, self._rate, self._external)

@@ -156,7 +156,7 @@ class HalvedSteps:
         """Note where a run of ``duration`` [s] has begun, at t = 0."""
         self._run, self.seen = integrator, integrator.seen_by_halving
         self._start, self._duration, self._started = integrator.state.copy(), duration, False
-        self._measure(integrator.state.r, integrator.state.q, integrator.snapshot().section_force)
+        self._measure(integrator.state.r, integrator.state.q, integrator.section_force)
         self.release(integrator, 0.0, 0.0)
 
     def release(self, integrator: Integrator, unbalanced: Floats | float, twist: Floats | float) -> None:
@@ -347,7 +347,7 @@ class _Several(NamedTuple):
 
 def _reached(integrator: Integrator) -> Reached:
     """Return where an integrator is, in arrays of its own: the integrator goes on."""
-    return Reached(integrator.state.copy(), integrator.snapshot().section_force.copy())
+    return Reached(integrator.state.copy(), integrator.section_force.copy())
 
 
 def _largest(section_force: Floats) -> Floats:

@@ -2,11 +2,17 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 
 from viscorod.mechanics.compilation.by_address import address_of
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.compilation.shared import Shared
 from viscorod.mechanics.elements.branch_memory import BranchRows
+from viscorod.mechanics.elements.held_strains import add_held_strains
+from viscorod.mechanics.joints.joint_forces import joint_forces
+from viscorod.mechanics.joints.joint_tangent import JointSlopes, add_joint_tangent
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
@@ -17,23 +23,36 @@ from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.factors import Factors
-from viscorod.solve.transient.integrators import kernel_results
+from viscorod.solve.transient.integrators import kernel_results, loop_links
+from viscorod.solve.transient.integrators.closed_states import Closed, Wanted
 from viscorod.solve.transient.integrators.loop_data import (
     Addresses,
+    LoopLinks,
     LoopLoads,
     LoopModel,
     LoopState,
     LoopSystems,
     Renewal,
+    StepLoop,
 )
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 
-__all__ = ["NOWHERE", "find_addresses"]
+__all__ = ["LINK_KERNELS", "NOWHERE", "find_addresses"]
 
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
+
+LINK_KERNELS: dict[str, tuple[Callable[..., object], tuple[object, ...]]] = {
+    "drive_links": (loop_links.drive, (0.0, False, 0)),
+    "linearise_links": (loop_links.linearise, (True,)),
+    "predict_links": (loop_links.predict, (0.0,)),
+    "keep_links": (loop_links.keep, ()),
+    "read_links": (loop_links.read, (0,)),
+    "close_within": (loop_links.within, (0, 0, 0)),
+}
+"""Kernels of the loop that models with joints or held strains need, and arguments behind the loop."""
 
 _known: dict[tuple[int | bool, ...], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
@@ -47,23 +66,27 @@ def find_addresses(
     states: Between,
     renewal: Renewal,
     loads: LoopLoads,
-    number: int,
+    links: LoopLinks,
+    loop: Shared[StepLoop],
 ) -> Addresses:
     """Return the addresses of all kernels, for the types of an integrator's arrays and of the loop's, but of Python's.
 
     Args:
         integrator: whose kernels these are; model, given, systems: what the loop works on; states: of its records.
-        renewal: of Jacobians; loads: that the loop knows; number: of the kind of loop.
+        renewal: of Jacobians; loads, links: that the loop knows; loop: all that it works on.
     """
     renews = _renews(integrator)
     supports, moving = integrator.supports, integrator.actions.loads.motion
     there = supports.moving, len(supports.partial) > 0, len(moving.nodes) > 0, len(loads.tables.begins) > 0
-    key = number, renews, integrator.dashpots is None, *there
+    problem = integrator.system.problem
+    joined = problem.constrained, problem.joints.count > 0, len(problem.held.place) > 0
+    key = loop.number, renews, integrator.dashpots is None, *there, *joined
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
         kernels |= _of_records(integrator, model, given, states)
         kernels |= _of_branches(integrator) | _of_supports(integrator, model, given)
+        kernels |= _of_links(integrator, given, states, renewal, links, loop)
         if len(loads.tables.begins):
             kernels["furthest"] = address_of(
                 KnownTypes(furthest_motion), kernel_results.REAL, lambda: (loads.tables, 0.0, 1.0)
@@ -205,6 +228,45 @@ def _of_supports(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
             KnownTypes(kinetic_energy), kernel_results.REAL, lambda: (body.mass, now.twist)
         )
     return found
+
+
+def _of_links(
+    integrator: Radau,
+    given: LoopState,
+    states: Between,
+    known: Renewal,
+    links: LoopLinks,
+    loop: Shared[StepLoop],
+) -> dict[str, int]:
+    """Return where the kernels of joints, springs and held strains are, if there are any."""
+    own, problem, found = integrator.stage_constraints, integrator.system.problem, {}
+    if own is None:
+        return {}
+    now, arrays, out, rows, start = given.now, own.arrays, known.out, links.rows, links.start
+    unit, elements = 1.0, integrator.body.elements
+
+    def address(kernel: Callable[..., object], *arguments: object) -> int:
+        return address_of(KnownTypes(kernel), kernel_results.NOTHING, lambda: arguments)
+
+    if problem.joints.count:
+        alone = links.alone, start.r, start.q, start.twist, links.force
+        found["joint_forces"] = address(joint_forces, arrays.joints, links.laws, *alone)
+        slopes = JointSlopes(links.alone.near, links.alone.force[0], links.stiffness, links.damping)
+        into = arrays.scale, out.blocks, out.rate_blocks, arrays.operators
+        where = arrays.joints, now.r, now.q, now.twist, slopes, known.ad
+        found["joint_tangent"] = address(add_joint_tangent, *where, unit, unit, *into)
+    if len(problem.held.place):
+        held = arrays.held, elements.order, unit, unit, integrator.matrices.operators.strain
+        found["hold_strains"] = address(add_held_strains, *held, arrays.scale, out.blocks)
+    wanted = Wanted(rows.target, rows.target_rate, rows.near)
+    closed = Closed(states.r, states.q, states.twist, rows.value, rows.rate)
+    shared = own.closed_states.share(integrator.systems).argument
+    found["close"] = address_of(
+        own.closed_states.closing, kernel_results.REAL, lambda: (shared, wanted, closed, 0, 1, True, True)
+    )
+    return found | {
+        name: address(kernel, loop.argument, *arguments) for name, (kernel, arguments) in LINK_KERNELS.items()
+    }
 
 
 def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:

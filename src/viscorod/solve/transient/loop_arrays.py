@@ -14,10 +14,12 @@ from viscorod.solve.transient import amplitude
 from viscorod.solve.transient.integrators import loop_data
 from viscorod.solve.transient.integrators.branch_systems import Stiffened
 from viscorod.solve.transient.integrators.lent_steps import Lent
+from viscorod.solve.transient.integrators.link_memory import LinkMemory
 from viscorod.solve.transient.integrators.radau import LEAST_CHANGE, Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, StepEnd
-from viscorod.solve.transient.integrators.stage_data import Matrices
+from viscorod.solve.transient.integrators.step_task import StepTask
 from viscorod.solve.transient.loop_addresses import NOWHERE
+from viscorod.solve.transient.loop_link_arrays import link_arrays
 from viscorod.solve.transient.motion_scale import PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl
 from viscorod.typing import Floats
@@ -60,6 +62,8 @@ def loop_arrays(
     state = _state(integrator, lent, fields.shape[1], len(reaction))
     branches = _branches(integrator)
     clock = np.zeros(loop_data.CLOCK)
+    batch = _batch(len(body.mass), fields.shape[1], len(reaction), len(branches.memory.loss))
+    links = link_arrays(integrator, lent, len(batch.states.r))
     return loop_data.StepLoop(
         model=loop_data.LoopModel(
             lent.task,
@@ -76,12 +80,13 @@ def loop_arrays(
         limits=_limits(integrator, duration, output_interval),
         control=control.numbers,
         trials=np.zeros(loop_data.TRIALS),
-        batch=_batch(len(body.mass), fields.shape[1], len(reaction), len(branches.memory.loss)),
-        backup=_backup(state, branches.memory, lent.task.bundle.matrices, clock),
+        batch=batch,
+        backup=_backup(state, branches.memory, lent.task.bundle, links.memory, clock),
         renewal=_renewal(integrator, lent),
         message=np.zeros(4),
         loads=_loads(integrator, courses, motions),
         ahead=np.full(MOST_CORNERS + 1, np.inf),
+        links=links,
     )
 
 
@@ -158,15 +163,17 @@ def _limits(integrator: Radau, duration: float, output_interval: float | None) -
 
 
 def _backup(
-    state: loop_data.LoopState, branches: BranchMemory, matrices: Matrices, clock: Floats
+    state: loop_data.LoopState, branches: BranchMemory, task: StepTask, memory: LinkMemory, clock: Floats
 ) -> loop_data.Backup:
     """Return what steps go on from, as rows of numbers."""
-    now, last, kept, end = state.now, state.last, state.kept, state.end
-    K, C, mass, adjoint, directions, operators = matrices
+    now, last, kept, end, links = state.now, state.last, state.kept, state.end, task.links
+    K, C, mass, adjoint, directions, operators = task.matrices
+    springs = links.operators.gradients, links.operators.A, links.operators.P
     arrays = (
         *(clock, now.r, now.q, now.twist, last.r, last.q, last.twist, state.points, state.reactions),
         *(*kept, *end, state.follows.numbers, branches.dashpot, branches.strain),
         *(K, C, mass, adjoint, *directions, *operators),
+        *(*memory, links.states.near, links.scale, *springs),
     )
     live = tuple(array.reshape(-1) for array in arrays)
     size = sum(map(len, live))

@@ -13,6 +13,7 @@ from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.compilation.shared import Shared
 from viscorod.model.actions.load_effects import CompiledLaw
+from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
@@ -27,8 +28,9 @@ from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import (
     StepEnd,
 )
-from viscorod.solve.transient.loop_addresses import find_addresses
+from viscorod.solve.transient.loop_addresses import LINK_KERNELS, find_addresses
 from viscorod.solve.transient.loop_arrays import MOST_CORNERS, MOST_STEPS, loop_arrays
+from viscorod.solve.transient.loop_link_arrays import serves_links
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.solve.transient.trial_choice import SETTLED
@@ -109,7 +111,7 @@ class ManySteps:
         problem, systems, content = integrator.system.problem, integrator.systems, integrator.actions.content
         serves = (
             problem.size <= MOST_NODES
-            and not problem.constrained
+            and (not problem.constrained or serves_links(integrator.system.constraints))
             and all(isinstance(load.law, CompiledLaw) for load in problem.motion_loads)
             and not (content is not None and content.asks)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
@@ -192,10 +194,22 @@ class ManySteps:
 
     def _reached(self, rows: slice) -> list[Reached]:
         """Return the states in some rows, and their section forces, in arrays of their own."""
-        found, multiplier = self._loop.batch.states, self.integrator.state.multiplier
+        found = self._loop.batch.states
         fields = found.r, found.q, found.twist, found.fields.points[2]
-        copies = zip(*(field[rows].copy() for field in fields), strict=True)
-        return [Reached(State(r, q, twist, multiplier), force) for r, q, twist, force in copies]
+        copies = zip(*(field[rows].copy() for field in fields), self._multipliers(rows), strict=True)
+        return [Reached(State(r, q, twist, multiplier), force) for r, q, twist, force, multiplier in copies]
+
+    def _multipliers(self, rows: slice) -> list[Floats]:
+        """Return the multipliers of the states in some rows, which may share an array where there are none."""
+        kept = self._loop.links.rows.multiplier[rows]
+        return list(kept.copy()) if kept.shape[1] else [self.integrator.state.multiplier] * len(kept)
+
+    def _joints(self, rows: slice) -> JointState | None:
+        """Return the joints in the states in some rows."""
+        if self.integrator.stage_constraints is None:
+            return None
+        kept = self._loop.links.rows
+        return JointState(kept.value[rows].copy(), kept.rate[rows].copy(), kept.force[rows].copy())
 
     def limit(self, taken: Taken, k: int) -> str:
         """Return what limited the ``k``-th step, in words."""
@@ -214,8 +228,12 @@ class ManySteps:
         account.branches = self._loop.batch.lost[steps].copy()
 
     def compile(self) -> None:
-        """Compile the loop, but none of the kernels that it calls."""
-        self._steps.compiled((Shared(self._loop).argument,))
+        """Compile the loop, but none of the kernels that it calls, except for its own of joints, if there are any."""
+        loop = Shared(self._loop).argument
+        self._steps.compiled((loop,))
+        if self.integrator.stage_constraints is not None:
+            for kernel, arguments in LINK_KERNELS.values():
+                KnownTypes(kernel).compiled((loop, *arguments))
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
@@ -261,14 +279,14 @@ class ManySteps:
             found.r[rows].copy(),
             found.q[rows].copy(),
             found.twist[rows].copy(),
-            [self.integrator.state.multiplier] * len(kinetic),
+            self._multipliers(rows),
             strain,
             rate,
             force,
             found.fields.reactions[rows].copy(),
             kinetic,
             elastic,
-            None,
+            self._joints(rows),
             power,
             spring,
         )
@@ -281,13 +299,17 @@ class ManySteps:
             self._loop.numbers,
             self._loop.batch,
         )
-        state = integrator.state
+        state, links = integrator.state, integrator.stage_constraints
+        if links is not None and links.still:
+            constraints, arrays = links.constraints, links.arrays
+            arrays.states.target[:], arrays.target_rate[:] = constraints.target, constraints.target_rate
         old, length = integrator.predictor.last or (state, 0.0)
         for to, given in ((self._loop.state.now, state), (self._loop.state.last, old)):
             to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
         self._loop.state.points[1], self._loop.state.reactions[1] = integrator.recorder.present
         now = self._loop.state.now
-        course = integrator.lend(State(now.r, now.q, now.twist, state.multiplier))
+        multiplier = state.multiplier if links is None else links.memory.multiplier
+        course = integrator.lend(State(now.r, now.q, now.twist, multiplier))
         clock[:], numbers[:] = 0.0, 0
         self._began = integrator.t
         clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
@@ -310,7 +332,7 @@ class ManySteps:
     def _finish(self) -> None:
         """Bring the integrator to where the loop ended."""
         clock, numbers, given = self._loop.clock, self._loop.numbers, self._loop.state
-        multiplier = self.integrator.state.multiplier
+        multiplier, links = self.integrator.state.multiplier.copy(), self.integrator.stage_constraints
         now, old = (
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
         )
@@ -326,6 +348,8 @@ class ManySteps:
             self.integrator.systems.want(self.integrator.matrices, factor_step)
         self.integrator.newton_tolerance = float(self._loop.limits[loop_data.NEWTON])
         if moved:
+            if links is not None:
+                links.take_back(now, float(clock[loop_data.LAST_STEP]))
             end = StepEnd(*(field.copy() for field in given.end))
             start = old, self._loop.state.points[0].copy(), self._loop.state.reactions[0].copy()
             h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.GAP].tolist()
@@ -338,8 +362,16 @@ class ManySteps:
         if self._shared is None:
             loop = self._loop
             self._shared = Shared(loop)
-            arrays = loop.model, loop.state, loop.systems, loop.batch.states, loop.renewal, loop.loads
-            calls = find_addresses(self.integrator, *arrays, self._shared.number)
+            arrays = (
+                loop.model,
+                loop.state,
+                loop.systems,
+                loop.batch.states,
+                loop.renewal,
+                loop.loads,
+                loop.links,
+            )
+            calls = find_addresses(self.integrator, *arrays, self._shared)
             asked = {} if self._known else {"prepare": self._called(self._call_prepare)}
             if not (self._loads_known and calls.assemble):
                 asked["renew"] = self._called(self._call_renew)
@@ -374,5 +406,9 @@ def _serves(tolerance: Tolerance) -> bool:
 
 def _worth_loading(integrator: Radau, *, long: bool) -> bool:
     """Return whether the loop is there; from disk it takes as long as it saves in some hundred steps."""
-    known = KnownTypes(step_loop.take_steps)
-    return known.loaded or ((long or integrator.trying.loaded) and known.kept)
+    known = [KnownTypes(step_loop.take_steps)]
+    if integrator.stage_constraints is not None:
+        known += [KnownTypes(kernel) for kernel, _ in LINK_KERNELS.values()]
+    if all(kernel.loaded for kernel in known):
+        return True
+    return (long or integrator.trying.loaded) and all(kernel.kept for kernel in known)

@@ -107,7 +107,6 @@ class Collocation(StageModel):
         self.prepare_step(end, before)
         self.predictor.predict(self.state, self._stress, h)
         if not self._have_jacobian:
-            self.system.constraints.pace = self.tableau.real / h
             known = self.predictor.last is not None
             self.renew_jacobian(h, at_start=not known or self._fresh_jacobian != OLD)
         # equal steps differ by the rounding of their ends
@@ -195,6 +194,11 @@ class Collocation(StageModel):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self.recorder.strain
 
+    @property
+    def section_force(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self.recorder.snapshot.section_force
+
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         snapshot = self.recorder.snapshot
@@ -204,7 +208,7 @@ class Collocation(StageModel):
         if self.stage_constraints is None or self._factor_step == 0.0:
             return snapshot
         self.system.constraints.update(self.t, True)  # states between may have been computed
-        return self.stage_constraints.with_allowed_velocities(snapshot, self.systems.solve_real)
+        return self.stage_constraints.with_allowed_velocities(snapshot, self.systems)
 
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -281,7 +285,7 @@ class Collocation(StageModel):
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.elastic += self.stage_constraints.end_step(self.state, self._end - self.t, stage=True)
-        if partial or self.stage_constraints is not None:  # twists have been projected
+        if partial:  # twists have been projected
             kinetic = inertia.kinetic_energy(self.body.mass, self.state.twist)
         self._end_rate, self.kinetic = end.rate, kinetic
         self.recorder.record_end(self.state, kinetic, self.elastic)

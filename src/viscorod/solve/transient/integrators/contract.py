@@ -151,6 +151,10 @@ class Integrator(Protocol):
     def snapshot(self) -> Snapshot:
         """Return all fields at ``t``."""
 
+    @property
+    def section_force(self) -> Floats:
+        """Section forces at ``t (m, 6)``, as in snapshots."""
+
     def between(self, parts: Floats) -> Inside:
         """Return all fields at ``parts (k,)`` (0 to 1) of the last step, and what happened up to there."""
 

@@ -196,6 +196,11 @@ class GeneralizedAlpha(MomentumModel):
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return float(np.abs(self._snapshot.strain[:, :3]).max())
 
+    @property
+    def section_force(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._snapshot.section_force
+
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         if self._fresh or self.system.constraints.rows == 0:

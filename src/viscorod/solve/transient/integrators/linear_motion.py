@@ -224,6 +224,11 @@ class LinearMotion:
         if self.tolerance is not None:
             self.tolerance.accept(self.t, self.state)
 
+    @property
+    def section_force(self) -> Floats:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        return self._snapshot.section_force
+
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         return self._snapshot

@@ -4,15 +4,19 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
+import numpy as np
+
 from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
+from viscorod.mechanics.joints.joint_forces import JointLaws, JointStates
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.nodes.table_motions import TableMotions
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.branch_systems import Stiffened
+from viscorod.solve.transient.integrators.link_memory import LinkMemory
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
@@ -80,6 +84,57 @@ class LoopBranches(NamedTuple):
     memory: BranchMemory
     real: Stiffened
     pair: Stiffened
+
+
+class LinkRows(NamedTuple):
+    """Joints in the states of the records: values, rates and forces that they exert, and what they are closed to.
+
+    ``value``, ``rate``, ``force``, ``target``, ``target_rate`` and ``near`` are ``(rows, c)``, ``multiplier`` is
+    ``(rows, places)``.
+    """
+
+    value: Floats
+    rate: Floats
+    force: Floats
+    target: Floats
+    target_rate: Floats
+    near: Floats
+    multiplier: Floats
+
+    @classmethod
+    def of(cls, rows: int, coordinates: int, places: int) -> LinkRows:
+        """Allocate."""
+        value, rate, force, target, target_rate, near = np.zeros((6, rows, coordinates))
+        return cls(value, rate, force, target, target_rate, near, np.zeros((rows, places)))
+
+
+class LoopLinks(NamedTuple):
+    """Joints, springs and held strains.
+
+    Attributes:
+        memory: from step to step; whole: the same of a step that is tried again in halves.
+        motors: what drives coordinates, as motions of one support with so many components.
+        laws: there are none; alone, force: of one state, for Jacobians, the latter ``(1, n, 6)``.
+        start: the present state as one of one state; stiffness, damping: of springs ``(c,)``.
+        idle: multipliers without a condition, block and place in it ``(k, 2)``; unit: of displacements [m], and its
+            square.
+        closing: what records are closed with, a shared bundle; strains: whether strains are held; rows: of records.
+    """
+
+    memory: LinkMemory
+    whole: LinkMemory
+    motors: MotionCourses
+    laws: JointLaws
+    alone: JointStates
+    force: Floats
+    start: MovingPoses
+    stiffness: Floats
+    damping: Floats
+    idle: Integers
+    unit: Floats
+    closing: Any
+    strains: int
+    rows: LinkRows
 
 
 class HeldInPart(NamedTuple):
@@ -228,9 +283,10 @@ class Backup(NamedTuple):
 class Addresses(NamedTuple):
     """Where the kernels are, and Python functions, 0 where there is nothing for them to do.
 
-    Kernels of Maxwell branches, of loads that see motion, and of supports that move, follow tables, or hold nodes in
-    part, are there where there are any. Python renews Jacobians where loads are unknown functions of time, and prepares
-    steps where loads or motions are; it says what these do between the stages if anything has to be looked for.
+    Kernels of Maxwell branches, of loads that see motion, of joints and held strains, and of supports that move, follow
+    tables, or hold nodes in part, are there where there are any. Python renews Jacobians where loads are unknown
+    functions of time, and prepares steps where loads or motions are; it says what these do between the stages if
+    anything has to be looked for.
     """
 
     step: int
@@ -261,6 +317,16 @@ class Addresses(NamedTuple):
     furthest: int
     project_twists: int
     kinetic: int
+    joint_forces: int
+    joint_tangent: int
+    hold_strains: int
+    close: int
+    drive_links: int
+    linearise_links: int
+    predict_links: int
+    keep_links: int
+    read_links: int
+    close_within: int
     renew: int
     prepare: int
     unseen: int
@@ -275,6 +341,7 @@ class StepLoop(NamedTuple):
         batch: outputs; backup: of what steps go on from; renewal: of Jacobians.
         message: tells Python time and end of the step [s], whether that is a corner, and whether it is a half ``(4,)``.
         loads: that the loop knows; ahead: corners after the next one [s], where steps go on at once, then inf.
+        links: joints, springs and held strains.
     """
 
     model: LoopModel
@@ -292,3 +359,4 @@ class StepLoop(NamedTuple):
     message: Floats
     loads: LoopLoads
     ahead: Floats
+    links: LoopLinks

@@ -9,7 +9,6 @@ from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators import loop_branches
 from viscorod.solve.transient.integrators.kernel_results import NOTHING
-from viscorod.solve.transient.integrators.loop_attempts import row_of_trial
 from viscorod.solve.transient.integrators.loop_data import (
     DURATION,
     EXTRA_ROWS,
@@ -25,6 +24,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     StepLoop,
     T,
 )
+from viscorod.solve.transient.integrators.loop_prediction import row_of_trial
 from viscorod.solve.transient.integrators.loop_trials import keep
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 from viscorod.typing import Floats
@@ -34,7 +34,7 @@ __all__ = ["record", "room_for"]
 TURN_OF_RECORD = 0.25
 """Rotation [rad] from record to record, if that takes more states than one above the stages."""
 
-_do = returning(NOTHING)
+_do, _with = returning(NOTHING), returning(NOTHING, whole=False)
 
 
 @exact_part
@@ -83,11 +83,16 @@ def record(run: StepLoop, t: float) -> None:
         if place <= 1.0 - 1e-9:
             within += 1
     if numbers[TRYING] != 0:  # the middle, where ``places`` end with one half
-        read(run, end - t, places.shape[0] - 1, 1, row_of_trial(numbers, found) + MIDDLE)
+        middle = row_of_trial(numbers, found) + MIDDLE
+        read(run, end - t, places.shape[0] - 1, 1, middle)
+        if run.calls.close_within != 0:
+            _with(run.calls.close_within, (run, places.shape[0] - 1, 1, middle))
     if within > 0:
         read(run, end - t, row, within, row)
         if run.calls.read_within != 0:
             loop_branches.within(run, row, within)
+        if run.calls.close_within != 0:
+            _with(run.calls.close_within, (run, row, within, row))
     if count > within:
         at = row + count - 1
         keep_record(run, at)
@@ -104,6 +109,8 @@ def keep_record(run: StepLoop, at: int) -> None:
     keep(run, at)
     if run.calls.read_branches != 0:
         loop_branches.read(run, at)
+    if run.calls.read_links != 0:
+        _with(run.calls.read_links, (run, at))
 
 
 @exact_part

@@ -6,7 +6,8 @@ import math
 
 from viscorod.mechanics.compilation.compiled import exact_part
 from viscorod.mechanics.compilation.references import row_of
-from viscorod.solve.transient.integrators.loop_attempts import attempt, copy, row_of_trial, take_end
+from viscorod.solve.transient.integrators.copied_rows import copy
+from viscorod.solve.transient.integrators.loop_attempts import attempt
 from viscorod.solve.transient.integrators.loop_data import (
     AGAIN,
     BETTER_END,
@@ -38,6 +39,8 @@ from viscorod.solve.transient.integrators.loop_data import (
     Backup,
     StepLoop,
 )
+from viscorod.solve.transient.integrators.loop_ends import take_end
+from viscorod.solve.transient.integrators.loop_prediction import row_of_trial
 from viscorod.solve.transient.trial_choice import FARTHEST, PART
 from viscorod.solve.transient.trial_choice import LONGER as BY
 from viscorod.typing import Floats
@@ -108,6 +111,9 @@ def keep(run: StepLoop, at: int) -> None:
         copy(state.points[1, field], fields.points[field, at])
     copy(state.reactions[1], fields.reactions[at])
     energies[0, at], energies[4, at] = clock[KINETIC], clock[ELASTIC]
+    multiplier = run.links.memory.multiplier
+    for p in range(multiplier.shape[0]):
+        run.links.rows.multiplier[at, p] = multiplier[p]
 
 
 @exact_part
@@ -125,6 +131,8 @@ def keep_whole(run: StepLoop) -> None:
     copy(state.stress, state.whole_stress)
     for i in range(state.whole_coordinates.shape[0]):
         copy(state.kept.X[i], state.whole_coordinates[i])
+    copy(run.links.memory.multipliers, run.links.whole.multipliers)
+    copy(run.links.memory.forces, run.links.whole.forces)
 
 
 @exact_part

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
-
 import numpy as np
 
 from viscorod.mechanics.elements.internal_force import Elements
@@ -13,6 +11,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
 from viscorod.solve.transient.integrators.closed_states import Closed, ClosedStates, Wanted
 from viscorod.solve.transient.integrators.constraint_arrays import ConstraintArrays
+from viscorod.solve.transient.integrators.link_memory import LinkMemory, through_stages
 from viscorod.solve.transient.integrators.stage_data import Matrices
 from viscorod.solve.transient.integrators.stage_systems import StageSystems
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -26,27 +25,30 @@ class StageConstraints:
         constraints: of the system that is integrated; tableau: the method.
 
     Attributes:
-        arrays: for the compiled step.
-        drift: largest gap of positions over the length (or in rad, or strain), and of recorded velocities over the
-            fastest one, so far.
+        arrays: for the compiled step; memory: from step to step, in arrays that stay.
+        closed_states: closes what is recorded.
+        still: nothing drives the joints.
     """
 
-    unsaved = frozenset({"_closed", "_still"})
+    unsaved = frozenset({"closed_states", "still"})
 
     def __init__(self, constraints: Constraints, tableau: Tableau) -> None:
         self.constraints, self.tableau = constraints, tableau
         constraints.ball_motors.moving = True
         self.arrays = ConstraintArrays.of(constraints, len(tableau.nodes))
-        self._closed = ClosedStates(constraints)
-        self._still = not (constraints.joints.motions or len(constraints.ball_motors.coordinates))
-        self.drift = 0.0, 0.0
+        self.closed_states = ClosedStates(constraints)
+        self.still = not (constraints.joints.motions or len(constraints.ball_motors.coordinates))
         c = constraints.joints.count
-        self._multiplier = np.zeros(len(constraints.gap))  # at t
-        self._force = np.zeros(c)  # of all coordinates, at t
-        self._earlier = np.zeros(c)  # at the start of the last step
-        self._past: tuple[Floats, float] | None = None  # multipliers and forces of the last step, its length
-        self._whole: tuple[tuple[Floats, float], float] | None = None
+        self.memory = LinkMemory.of(len(tableau.nodes), len(constraints.gap), c)
+        self._length = 0.0  # of the last step [s], 0 if it predicts nothing
+        self._whole: tuple[LinkMemory, float, float] | None = None  # of what step, its length, place in it
         self._start = JointState(np.zeros(c), np.zeros(c), np.zeros(c))
+
+    @property
+    def drift(self) -> tuple[float, float]:
+        """Largest gap of positions, and of recorded velocities, see ``LinkMemory``."""
+        position, velocity = self.memory.drift.tolist()
+        return position, velocity
 
     def turn_axes(self, t: float, state: State) -> bool:
         """Measure ball joints from where their motors are at the start of a step, if that is far; tell if any is."""
@@ -57,7 +59,11 @@ class StageConstraints:
         turned = constraints.ball_motors.turn_axes()
         for mine, change in turned:
             place = constraints.arrays.place[mine]
-            for forces, at in ((state.multiplier, place), (self._multiplier, place), (self._force, mine)):
+            for forces, at in (
+                (state.multiplier, place),
+                (self.memory.multiplier, place),
+                (self.memory.force, mine),
+            ):
                 forces[at] = change @ forces[at]
         if turned:
             constraints.update(t)
@@ -67,7 +73,7 @@ class StageConstraints:
     def prepare(self, i: int, t: float, *, before: bool) -> None:
         """Evaluate motors at stage ``i``, at time ``t`` [s]."""
         constraints, arrays = self.constraints, self.arrays
-        if not self._still:
+        if not self.still:
             constraints.update(t, before)
         arrays.states.target[i], arrays.target_rate[i] = constraints.target, constraints.target_rate
 
@@ -82,32 +88,38 @@ class StageConstraints:
 
     def reset(self) -> None:
         """Forget the last step: it does not predict the next one."""
-        self._past = self._whole = None
+        self._length, self._whole = 0.0, None
 
     def follow(self, whole: StageConstraints, place: float) -> None:
         """Let the next step be predicted by ``whole``, see ``predictor.Predictor.follow``."""
-        self._whole = None if whole._past is None else (whole._past, place)
+        self._whole = None if whole._length == 0.0 else (whole.memory, whole._length, place)
 
     def predict(self, h: float) -> None:
         """Write multipliers and spring forces of a step of ``h`` [s]: the last step's polynomials go on."""
         states = self.arrays.states
-        now = np.concatenate([self._multiplier, self._force])
-        past, place = (self._past, 1.0) if self._whole is None else self._whole
-        if past is None:
-            stages = np.broadcast_to(now, (len(states.multiplier), len(now)))
-        else:
-            known, length = past
-            weights = self.tableau.polynomials(place + self.tableau.nodes * (h / length))
-            stages = known[0] + weights @ (known[1:] - known[0])
-        places = states.multiplier.shape[1]
-        states.multiplier[:], states.carried[:] = stages[:, :places], stages[:, places:]
+        known, length, place = (self.memory, self._length, 1.0) if self._whole is None else self._whole
+        if length == 0.0:
+            states.multiplier[:], states.carried[:] = known.multiplier, known.force
+            return
+        places = place + self.tableau.nodes * (h / length)
+        states.multiplier[:] = through_stages(self.tableau, places, known.multipliers)
+        states.carried[:] = through_stages(self.tableau, places, known.forces)
 
     def begin(self, state: State) -> None:
         """Take over a state for which joint coordinates have just been evaluated."""
-        constraints = self.constraints
+        constraints, memory = self.constraints, self.memory
         constraints.track_angles()
-        self._multiplier, self._force = state.multiplier.copy(), constraints.force.copy()
+        memory.multiplier[:], memory.force[:] = state.multiplier, constraints.force
+        memory.value[:], memory.rate[:] = constraints.value, constraints.rate
         self._start = constraints.state()
+
+    def take_back(self, state: State, length: float) -> None:
+        """Go on from where the compiled loop has come to, after a step of ``length`` [s]."""
+        constraints, memory = self.constraints, self.memory
+        state.multiplier = memory.multiplier.copy()
+        constraints.value, constraints.rate = memory.value.copy(), memory.rate.copy()
+        constraints.force = memory.force.copy()
+        self._length, self._start = length, constraints.state()
 
     def linearise(self, state: State, ad: Floats, elements: Elements, matrices: Matrices) -> None:
         """Add the constraints to the matrices of the Jacobian, whose operators are known (see ``Collocation``)."""
@@ -129,25 +141,38 @@ class StageConstraints:
             state: at the end, whose multipliers are completed.
             stage: the end is the last stage, whose multipliers are known; else they are those of the middle.
         """
-        constraints, states = self.constraints, self.arrays.states
-        self._earlier, self._whole = self._force.copy(), None
-        now = np.concatenate([self._multiplier, self._force])
+        constraints, states, memory = self.constraints, self.arrays.states, self.memory
+        self._whole = None
+        memory.multipliers[0], memory.forces[0] = memory.multiplier, memory.force
+        memory.multipliers[1:], memory.forces[1:] = states.multiplier, states.force
         if len(self.tableau.nodes) > 1:
-            stages = np.concatenate([states.multiplier, states.force], axis=1)
-            self._past = np.concatenate([now[None], stages]), h
+            self._length = h
         state.multiplier = states.multiplier[-1].copy()
         position = float((np.abs(states.gap[-1]) / constraints.unit).max(initial=0.0))
-        self.drift = max(self.drift[0], position), self.drift[1]
+        memory.drift[0] = max(memory.drift[0], position)
         if stage:
             constraints.value, constraints.rate = states.value.copy(), states.rate[-1].copy()
             constraints.force = states.force[-1].copy()
             self.begin(state)
         return constraints.function_energy()
 
-    def with_allowed_velocities(self, snapshot: Snapshot, solve: Callable[[Floats], Floats]) -> Snapshot:
-        """Return the ``snapshot`` at the end of a step with allowed velocities; ``solve`` is that of the step."""
-        found, velocity = with_allowed_velocities(self.constraints, snapshot, solve)
-        self.drift = self.drift[0], max(self.drift[1], velocity)
+    def with_allowed_velocities(self, snapshot: Snapshot, systems: StageSystems) -> Snapshot:
+        """Return the ``snapshot`` at the end of a step with allowed velocities; ``systems``: of the step."""
+        constraints, drift = self.constraints, self.memory.drift
+        if constraints.strains_as_states is not None:  # which poses do not tell
+            found, left = with_allowed_velocities(constraints, snapshot, systems.solve_real)
+        else:
+            state = snapshot.state.copy()
+            given = constraints.target, constraints.target_rate, constraints.near
+            where = state.r, state.q, state.twist, *np.empty((2, constraints.joints.count))
+            wanted, closed = (
+                Wanted(*(field[None] for field in given)),
+                Closed(*(field[None] for field in where)),
+            )
+            left = self.closed_states.close(systems, wanted, closed, poses=False)
+            joints = None if snapshot.joints is None else snapshot.joints._replace(rate=closed.rate[0])
+            found = snapshot._replace(state=state, joints=joints)
+        drift[1] = max(drift[1], left)
         return found
 
     def state(self) -> JointState:
@@ -167,11 +192,10 @@ class StageConstraints:
             parts, times: of the last step, and the times [s] of the states.
             systems: of the step.
         """
-        constraints, exerted = self.constraints, self.arrays.states.force
-        weights = self.tableau.polynomials(parts)
-        forces = self._earlier + weights @ (exerted - self._earlier)
+        constraints, drift = self.constraints, self.memory.drift
+        forces = through_stages(self.tableau, parts, self.memory.forces)
         wanted = Wanted(*np.empty((3, *forces.shape)))
-        if self._still:
+        if self.still:
             wanted.target[:], wanted.rate[:] = constraints.target, constraints.target_rate
             wanted.near[:] = constraints.near
         else:
@@ -181,10 +205,10 @@ class StageConstraints:
                 wanted.near[k] = constraints.near
         closed = Closed(*states, *np.empty((2, *forces.shape)))
         constraints.between_steps = True
-        left = self._closed.close(systems, wanted, closed)
+        left = self.closed_states.close(systems, wanted, closed)
         constraints.between_steps = False
-        self.drift = max(self.drift[0], left), self.drift[1]
-        if self._still:
+        drift[0] = max(drift[0], left)
+        if self.still:
             return JointState(closed.value, closed.rate, -forces)
         found = []
         for t, *fields in zip(times, closed.value, closed.rate, forces, strict=True):

@@ -261,6 +261,7 @@ class StageModel:
         matrices.C.fill(0.0)
         self.forces.linearise(state, self._ad, stress, matrices.operators, matrices.K, matrices.C)
         if self.stage_constraints is not None:
+            self.system.constraints.pace = self.tableau.real / h
             self.stage_constraints.linearise(state, self._ad, body.elements, matrices)
         self.actions.add_load_stiffness(self.t, state, self._ad, matrices.K, matrices.C)
         matrices.mass[:] = body.mass

@@ -14,7 +14,7 @@ import math
 from viscorod.mechanics.compilation.compiled import exact_part, loop
 from viscorod.mechanics.compilation.references import refer
 from viscorod.solve.transient.integrators import loop_branches
-from viscorod.solve.transient.integrators.loop_attempts import attempt, follow, take_end
+from viscorod.solve.transient.integrators.loop_attempts import attempt
 from viscorod.solve.transient.integrators.loop_data import (
     AGAIN,
     ASK,
@@ -46,7 +46,9 @@ from viscorod.solve.transient.integrators.loop_data import (
     StepLoop,
     T,
 )
+from viscorod.solve.transient.integrators.loop_ends import take_end
 from viscorod.solve.transient.integrators.loop_records import record, room_for
+from viscorod.solve.transient.integrators.loop_tolerance import follow
 from viscorod.solve.transient.integrators.loop_trials import (
     begin_halves,
     begin_trial,

@@ -1,0 +1,69 @@
+"""Joints, springs and held strains for the compiled loop of steps: which it serves, and in what arrays."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from viscorod.mechanics.compilation.shared import Shared
+from viscorod.mechanics.joints.joint_forces import JointLaws, JointStates
+from viscorod.mechanics.nodes.motion_courses import MotionCourses
+from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
+from viscorod.solve.constraints.constraints import Constraints
+from viscorod.solve.linear.matrix import unit_of
+from viscorod.solve.problem.motion_courses import course_motors
+from viscorod.solve.transient.integrators.closed_states import Closing, Solver
+from viscorod.solve.transient.integrators.lent_steps import Lent
+from viscorod.solve.transient.integrators.link_memory import LinkMemory
+from viscorod.solve.transient.integrators.loop_data import LinkRows, LoopLinks
+from viscorod.solve.transient.integrators.radau import Radau
+
+__all__ = ["link_arrays", "serves_links"]
+
+
+def serves_links(constraints: Constraints) -> bool:
+    """Return whether the loop knows all that joints and springs do.
+
+    Functions of the user's are Python's, and so are motors of rotation vectors, whose axes are turned between steps.
+    """
+    joints = constraints.joints
+    if joints.laws or constraints.drives_rotations or not bool(np.all(constraints.stage[1] == 1.0)):
+        return False
+    return course_motors(joints) is not None
+
+
+def link_arrays(integrator: Radau, lent: Lent, rows: int) -> LoopLinks:
+    """Make what the loop has of joints, springs and held strains, with ``rows`` for records."""
+    links, constraints = integrator.stage_constraints, integrator.system.constraints
+    bundle, problem = lent.task.bundle, integrator.system.problem
+    now, given = bundle.start, bundle.links
+    c, places, stages = len(given.states.near), len(given.scale), len(integrator.tableau.nodes)
+    unit, motors = unit_of(problem.length), course_motors(constraints.joints)
+    at, diagonal = constraints.idle, problem.pattern.diagonal
+    return LoopLinks(
+        LinkMemory.of(stages, places, c) if links is None else links.memory,
+        LinkMemory.of(stages, places, c),
+        MotionCourses.none() if motors is None else motors,
+        JointLaws(0, constraints.functions.buffer),
+        JointStates.of(1, given.states.near, places),
+        np.zeros((1, *now.twist.shape)),
+        MovingPoses(now.r[None], now.q[None], now.twist[None], now.twist[None]),
+        *constraints.slopes,
+        np.stack([diagonal[problem.size + at // 6], at % 6], axis=1),
+        np.array([unit, unit**2]),
+        _nothing(integrator, lent) if links is None else links.closed_states.share(integrator.systems),
+        int(constraints.measures_strains),
+        LinkRows.of(rows, c, places),
+    )
+
+
+def _nothing(integrator: Radau, lent: Lent) -> Shared[Closing]:
+    """Return what nothing is closed with, of the same types."""
+    task, factors = lent.task.bundle, integrator.systems.factors
+    links, none = task.links, np.zeros(0, dtype=np.int64)
+    solver = Solver(factors.real, factors.real_rows, factors.scales, none, 0, 0, 0)
+    strained = task.body.elements, task.points, task.work.element, task.stages.internal
+    scratch = links.scale, factors.scales, task.start.twist, links.operators.gradients
+    length = integrator.system.problem.length
+    return Shared(
+        Closing(links.joints, links.held, links.unit, links.scale, *strained, length, *scratch, solver)
+    )
