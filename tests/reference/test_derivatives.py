@@ -108,6 +108,24 @@ def test_equilibria_of_assemblies_change_as_differences_say():
     np.testing.assert_allclose(tip, force.history("beam.end").values[-1], atol=1e-12)
 
 
+def test_equilibria_of_thin_rods_obey_eulers_theorem():
+    """Forces are E times a function of the loads over E, so that ``E df/dE + F df/dF = f``, and of positions 0.
+
+    The strip is so thin that section forces of two neighbours in states of first order would be wrong by 1e-6, and
+    those of four, farther apart, by 1.4e-8.
+    """
+    model = bar(section=vr.Rectangle(0.02, 0.002), elements=4)
+    model.clamp("beam.start")
+    model.force("beam.end", (0.0, 0.0128, -0.00032))
+    keys = [E, "loads[0].value[1]", "loads[0].value[2]"]
+    found = model.equilibrium(derivatives=keys)
+    assert all(len(found.derivatives[key].parts) == 2 for key in keys)
+    for name, degree in (("position", 0), ("section_force", 1), ("reaction", 1), ("elastic", 1)):
+        values = found.data[name].values
+        scaled = sum(found.derivatives[key].value * found.derivatives[key].data[name].values for key in keys)
+        assert scaled == pytest.approx(degree * values, abs=1e-8 * np.abs(values).max()), name
+
+
 def test_a_damped_bar_changes_as_its_closed_form():
     """Closed form: f ~ E^1/2 at once for all modes, and the ratio of each is omega tau/2 (theta of shear and bulk)."""
     model = bar(tau=0.0004)

@@ -57,7 +57,7 @@ class StartState:
         """The state in words."""
         kind = self.result.kind
         source = self.start.file or f"{'an' if kind[0] in 'aeiou' else 'a'} {kind} result"
-        level = np.asarray(self.result.data[self.result.dimension].values, dtype=float)
+        level = np.asarray(self.result.stored[self.result.dimension].values, dtype=float)
         value = self._instant.time[0] if self._instant is not None else level[self._index]
         unit = {"time": f"t = {value:.6g} s", "spin": f"{value:.6g} rad/s"}
         return f"{source} at {unit.get(self.result.dimension, f'{value:.6g} of the loads')}"
@@ -67,13 +67,13 @@ class StartState:
         """Load factor of the state."""
         if self.result.dimension != "load_factor":
             return None
-        return float(self.result.data["load_factor"].values[self._index])
+        return float(self.result.stored["load_factor"].values[self._index])
 
     def _require_same_rods(self) -> None:
         """Refuse a result whose rods or bodies are not those of the model; note what it has more."""
         problem, sites = self.discrete.problem, self.result.sites
-        s = np.asarray(self.result.data["station_s"].values, dtype=float)
-        reference = np.asarray(self.result.data["reference_position"].values, dtype=float)
+        s = np.asarray(self.result.stored["station_s"].values, dtype=float)
+        reference = np.asarray(self.result.stored["reference_position"].values, dtype=float)
         known = ", ".join(sites.rods)
         for rod, (name, length) in enumerate(zip(problem.rods, problem.rod_lengths, strict=True)):
             if name not in sites.rods:
@@ -119,7 +119,7 @@ class StartState:
             )
         if start.load_factor is None:
             return None, -1
-        level = np.asarray(result.data[result.dimension].values, dtype=float)
+        level = np.asarray(result.stored[result.dimension].values, dtype=float)
         nearest = int(len(level) - 1 - np.argmin(np.abs(level[::-1] - start.load_factor)))
         if abs(level[nearest] - start.load_factor) > 1e-6 * max(1.0, abs(start.load_factor)):
             raise _refused(
@@ -138,7 +138,7 @@ class StartState:
 
     def _parts(self) -> list[dict[str, Floats]]:
         """Return the fields of all stations of rods and of the bodies; interpolated where these were not stored."""
-        problem, data = self.discrete.problem, self.result.data
+        problem, data = self.discrete.problem, self.result.stored
         stations, sites, bodies = problem.stations, self.result.sites, problem.bodies.names
         rods = [problem.rods[rod] for rod in stations.rod]
         stored = self._stored()
@@ -159,7 +159,7 @@ class StartState:
         """Return the number of the stored state that this is, None if it is one between."""
         if self._instant is None:
             return self._index
-        times = np.asarray(self.result.data[self.result.dimension].values, dtype=float)
+        times = np.asarray(self.result.stored[self.result.dimension].values, dtype=float)
         nearest = int(np.argmin(np.abs(times - self._instant.time[0])))
         return nearest if times[nearest] == self._instant.time[0] else None
 
@@ -177,7 +177,7 @@ class StartState:
         )
         state = nodal_state(problem, position, rotation, velocity, spin)
         held = problem.held
-        if len(held.place) and "section_force" in self.result.data:
+        if len(held.place) and "section_force" in self.result.stored:
             gauss = discrete.system.gauss_positions()
             forces = self._fields(
                 [sites.along(problem.rods[rod], float(s)) for rod, s in zip(gauss.rod, gauss.s, strict=True)]
@@ -196,7 +196,7 @@ class StartState:
 
     def _track_joints(self) -> None:
         """Let angles of joints go on from their stored values, beyond full turns."""
-        data, constraints = self.result.data, self.discrete.system.constraints
+        data, constraints = self.result.stored, self.discrete.system.constraints
         if "joint_value" not in data or data.sizes["joint_coordinate"] != len(constraints.near):
             return
         state = self._index

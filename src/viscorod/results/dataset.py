@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +13,7 @@ from viscorod.mechanics.elements.section_laws import POWER
 from viscorod.mechanics.nodes import inertia
 from viscorod.results.data_schema import DIMENSION, LABELS
 from viscorod.results.joint_histories import bodies_of_stations, connections, unique
-from viscorod.results.late_attributes import LateAttributes
+from viscorod.results.late_attributes import LateAttributes, Later
 from viscorod.results.result_places import ResultPlaces
 from viscorod.results.state_arrays import StateArrays
 from viscorod.solve.constraints.constraints import JointState
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 
 AT_ONCE = 4096
 """Nodes whose momenta are computed at once."""
+OF_MESH = ("mesh_errors", "mesh_motion_error", "mesh_force_error", "mesh_jumps", "mesh_lost")
+"""Attributes that a comparison with a finer mesh makes."""
 
 
 def dataset(
@@ -51,13 +54,45 @@ def state_arrays(
         kind: "simulate", "equilibrium", "steady", "modes" or "buckling".
         problem: the solved one; gauss: positions of its Gauss points.
         history: recorded states.
-        attrs: attributes of the whole data set (see ``schema``); late: what makes those that are not known yet.
+        attrs: attributes of the whole data set (see ``schema``); late: what makes those about the mesh, if they are
+            not known yet.
     """
     content = _content(kind, problem, gauss, history)
     known = LateAttributes({"kind": kind}) | attrs
     levels = DIMENSION[kind], np.array(history.instant)
-    attributes = known if late is None else known | LateAttributes({}, late)
+    attributes = known if late is None else known | LateAttributes({}, Later(OF_MESH, late))
     return StateArrays(*content, levels, attributes, _sites(problem))
+
+
+@dataclass
+class ArraysBeside(StateArrays):
+    """The arrays of a model that differs from that of a result in numbers only; their data set is made beside its.
+
+    Attributes:
+        result: returns the data set of the result, which is asked for where that of these arrays is.
+    """
+
+    result: Callable[[], xr.Dataset] = field(kw_only=True)
+
+    def data_set(self) -> xr.Dataset:
+        """Return the data set, of the same arrays."""
+        given = {name: values for name, (_, values) in (self.arrays | self.coordinates).items()}
+        return _beside(self.result(), given, self.attrs)
+
+
+def arrays_beside(
+    kind: str,
+    result: Callable[[], xr.Dataset],
+    problem: Problem,
+    gauss: GaussPositions,
+    history: History,
+    attrs: Mapping[str, Any],
+) -> ArraysBeside:
+    """Arrange a history as arrays, of a model that differs in numbers only from that of a ``result``, in its states."""
+    made = state_arrays(kind, problem, gauss, history, attrs)
+    return ArraysBeside(
+        made.arrays, made.coordinates, made.places, made.levels, made.attrs, made.sites, result=result
+    )
 
 
 def dataset_beside(
@@ -76,11 +111,16 @@ def dataset_beside(
     Args:
         more: other variables of the result, or what makes them.
     """
-    from viscorod.results.deferred_array import defer
-
     kind = str(result.attrs["kind"])
     variables, coordinates, _ = _content(kind, problem, gauss, history)
     given = {name: values for name, (_, values) in (variables | coordinates).items()} | dict(more or {})
+    return _beside(result, given, {"kind": kind, **attrs})
+
+
+def _beside(result: xr.Dataset, given: Mapping[str, Any], attrs: Mapping[str, Any]) -> xr.Dataset:
+    """Return the data set of a result with other numbers, by their names, and other attributes."""
+    from viscorod.results.deferred_array import defer
+
     beside = [name for name in result.data_vars if name not in given]  # what the mesh makes wrong, for one
     found = result.drop_vars(beside) if beside else result.copy()
     for name, values in given.items():
@@ -89,7 +129,7 @@ def dataset_beside(
             defer(variable, values)
         elif (numbers := np.asarray(values)).dtype.kind in "fi":
             variable.data = numbers
-    found.attrs = {"kind": kind, **attrs}
+    found.attrs = dict(attrs)
     return found
 
 

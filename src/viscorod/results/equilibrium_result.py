@@ -42,7 +42,7 @@ class Equilibrium(LastState):
     @property
     def load_factor(self) -> Floats:
         """Parts of the loads at which states are stored ``(states,)``: increasing to 1, or in the order of a path."""
-        return np.asarray(self.data["load_factor"].values, dtype=float)
+        return np.asarray(self.stored["load_factor"].values, dtype=float)
 
     @property
     def negative_eigenvalues(self) -> int:

@@ -5,20 +5,23 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
 from viscorod.analyses.call_arguments import Differentiated
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
+from viscorod.analyses.derivatives.resting_neighbours import neighbours_at_rest, snapshots
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.results.dataset import dataset_beside
+from viscorod.results.dataset import ArraysBeside, arrays_beside
 from viscorod.results.derivative import Derivative, Part
 from viscorod.results.equilibrium_result import Equilibrium
+from viscorod.results.late_attributes import LateAttributes
+from viscorod.results.recorded_states import RecordedStates
 from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
@@ -26,15 +29,13 @@ from viscorod.solve.problem.division import Division
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 
-if TYPE_CHECKING:
-    import xarray as xr
-
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
 
 
 def on_mesh_of(discrete: DiscreteModel, result: Any) -> DiscreteModel:
     """Return a discretised model on the mesh of a result of it."""
-    stored = json.loads(str(result.data.attrs.get("divisions", "{}")))
+    known = result.stored if isinstance(result, RecordedStates) else result.data
+    stored = json.loads(str(known.attrs.get("divisions", "{}")))
     if not stored:
         return discrete.renewed(discrete.options, {})
     return discrete.on_mesh({name: Division(order, np.array(ends)) for name, (order, ends) in stored.items()})
@@ -74,16 +75,15 @@ def equilibrium_derivatives(
                 "leave stages and start out",
             )
         )
-    every = [Neighbours.of(model, key, discrete) for key in keys]
+    every = [neighbours_at_rest(model, key, discrete) for key in keys]
     histories = [[History() for _ in one.each] for one in every]
     for factor in map(float, result.load_factor):
         state = StartState(discrete, Start(result=result, load_factor=factor)).state
         change = StaticChange(discrete, state, Instant(scale=factor))
         for neighbours, kept in zip(every, histories, strict=True):
-            increment = change.increment(neighbours)
-            for one, history in zip(neighbours.each, kept, strict=True):
-                moved = change.moved(increment, one.change)
-                record_static(one, moved, Instant(scale=factor), history, factor, discrete)
+            found = snapshots(change, neighbours, change.increment(neighbours), discrete)
+            for snapshot, history in zip(found, kept, strict=True):
+                history.record(factor, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
     return {
         neighbours.number.key: derivative(neighbours, result, kept, Equilibrium)
         for neighbours, kept in zip(every, histories, strict=True)
@@ -107,10 +107,10 @@ def derivative(
     number = neighbours.number
     parts = []
     for one, history in zip(neighbours.each, histories, strict=True):
-        parts.append(Part(one.weight, one.change, kind.later(partial(_dataset, one, history, result))))
+        parts.append(Part(one.weight, one.change, kind.later(partial(_arrays, one, history, result))))
     return Derivative(number.key, number.value, number.unit, result, parts)
 
 
-def _dataset(one: Neighbour, history: History, result: Any) -> xr.Dataset:
-    gauss = one.system.gauss_positions()
-    return dataset_beside(result.data, one.problem, gauss, history, one.attributes(result))
+def _arrays(one: Neighbour, history: History, result: Any) -> ArraysBeside:
+    gauss, attributes = one.system.gauss_positions(), LateAttributes({}, partial(one.attributes, result))
+    return arrays_beside(result.kind, lambda: result.data, one.problem, gauss, history, attributes)

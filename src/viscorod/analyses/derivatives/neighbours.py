@@ -34,7 +34,7 @@ from viscorod.solve.problem.division import Division, Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 
-__all__ = ["CLOSE", "STEP", "Neighbour", "Neighbours", "Scheme"]
+__all__ = ["CLOSE", "MANY", "STEP", "Neighbour", "Neighbours", "Scheme"]
 
 STEP = 1e-3
 """Change of a number, as a part of it."""
@@ -303,7 +303,7 @@ def _difference(problem: Problem, other: Problem) -> str:
         ],
     }
     for text, pairs in checks.items():
-        if not all(np.array_equal(a, b) for a, b in pairs):
+        if not all(a is b or np.array_equal(a, b) for a, b in pairs):
             return text
     axes = [(mine.geometry[:, AT_U1:AT_Q_A], its.geometry[:, AT_U1:AT_Q_A])]
     axes.append((problem.supports.axes, other.supports.axes))

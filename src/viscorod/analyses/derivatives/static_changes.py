@@ -42,6 +42,9 @@ class StaticChange:
     Args:
         discrete: the model; state: the equilibrium, which is found to round-off; at: its loads.
 
+    Attributes:
+        angles: of joints, which those of states nearby are next to ``(c,)``.
+
     Raises:
         SolveError: it is none, or at a point where it branches or turns back.
     """
@@ -58,7 +61,7 @@ class StaticChange:
         loads = static.loads.at(at.t, at.before, at.scale)
         system.assemble(state, loads, None, tangent=True, moving=False)
         supports.impose(state, system.residual(), system.matrix, tangent=True)
-        self._weights = supports.weights.copy()
+        self._weights, self.angles = supports.weights.copy(), system.constraints.near.copy()
         try:
             system.matrix.factorise()
         except SingularMatrixError as error:
