@@ -289,9 +289,8 @@ def _alone(
     progress: Progress,
 ) -> None:
     """Compute one member after the other, in this process."""
-    with (
-        one_blas_thread()
-    ):  # looking at all libraries for every member takes as long as a thirtieth of a small one
+    # to look at all libraries for every member takes as long as a thirtieth of a small one
+    with one_blas_thread():
         for k, number in enumerate(due):
 
             def tell(part: float, *, k: int = k) -> None:
