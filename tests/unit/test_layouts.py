@@ -10,15 +10,15 @@ import xarray as xr
 import viscorod as vr
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.sweeps.member_work import member_content
+from viscorod.analyses.sweeps.member_work import member_case, member_content
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.shipped import shipped_case
 from viscorod.results.quantities import evaluated, quantities_of
 from viscorod.results.state_arrays import PlainArray, StateArrays
-from viscorod.solve.constraints.rigid_motions import free_motions
+from viscorod.solve.constraints.rigid_motions import free_motions, surely_held
 from viscorod.solve.formulations.system import State
-from viscorod.solve.problem import layout
+from viscorod.solve.problem import chosen_divisions, layout
 from viscorod.solve.statics.tangent import negative_eigenvalues
 
 SWING = {"simulate.duration": 0.1, "simulate.tolerance": 1e-4}
@@ -32,8 +32,9 @@ def members(name, rows):
 
 
 def forgotten():
-    """Let the next model find its layout anew."""
+    """Let the next model find its layout anew, and how its rods are divided."""
     layout._kept.cache_clear()
+    chosen_divisions._kept.cache_clear()
 
 
 @pytest.mark.parametrize(
@@ -236,3 +237,66 @@ def test_a_column_is_surely_stable_below_its_critical_load_only(part):
     stable = discrete.static.surely_stable(state, 0.0, before=True, scale=1.0)
     assert stable == (part < 1.0)
     assert negative_eigenvalues(discrete.static.tangent(state)) == (0 if part < 1.0 else 2)
+
+
+CHOSEN = SWING | {"rods.beam.elements": "auto"}
+DIVIDED = {
+    "another order": {"rods.beam.order": 4},
+    "a load within the rod": {"loads[0].at": "beam@0.1"},
+    "a support within the rod": {"supports[0].at": "beam@0.17"},
+    "elements that are given": {"rods.beam.elements": 5},
+    "another shape": {"rods.beam.end": [0.2, 0.0, 0.0]},
+}
+
+
+@pytest.mark.parametrize("changes", DIVIDED.values(), ids=DIVIDED)
+def test_rods_are_divided_anew_where_it_matters(changes):
+    forgotten()
+    rows = [CHOSEN, CHOSEN | {"loads[0].value[1]": 0.02}, CHOSEN | changes]
+    models = [case.description for case in members("cantilever_swing", rows)]
+    one, again, new = map(chosen_divisions.chosen_divisions, models)
+    assert again is one
+    fresh = chosen_divisions._chosen(models[-1])["beam"]
+    assert (new["beam"].order, new["beam"].ends.tolist()) == (fresh.order, fresh.ends.tolist())
+    assert (new["beam"].order, new["beam"].ends.tolist()) != (one["beam"].order, one["beam"].ends.tolist())
+
+
+def test_a_support_that_turns_is_asked_every_time_how_far():
+    turn = [0.0]
+
+    def still(_t):
+        return 0.0
+
+    rubber = vr.Material(youngs_modulus=1e6, poissons_ratio=0.3)
+    model = vr.Model()
+    model.add(
+        "beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber)
+    )
+    model.clamp("beam.start")
+    model.clamp("beam.end", motion={"rx": vr.FunctionOfTime(lambda t: turn[0], still, still)})
+    resting = chosen_divisions.chosen_divisions(model)["beam"].count
+    turn[0] = 30.0
+    assert chosen_divisions.chosen_divisions(model)["beam"].count > resting
+
+
+@pytest.mark.parametrize("value", [0.01, "10 mm", "1 cm"])
+def test_members_of_numbers_and_of_quantities_are_read_alike(value):
+    rows = [SWING, SWING | {"sections.square.width": 0.01}, SWING | {"sections.square.width": value}]
+    case, known = load_case(shipped_case("cantilever_swing")), KnownParts()
+    read = [member_case(case.content, case.source, case.title, row, False, known)[0] for row in rows]
+    assert read[2].description == read[1].description == read[0].description
+
+
+@pytest.mark.parametrize("name", ["_of_nobody", "at"])
+def test_an_object_that_was_refused_says_what_it_lacks(name):
+    with pytest.raises(AttributeError, match=f"no attribute '{name}'"):
+        getattr(vr.Clamp.__new__(vr.Clamp), name)
+
+
+def test_one_part_with_a_clamp_has_no_rigid_motion_left():
+    held, loose = (
+        discretised_case(load_case(shipped_case(name))).problem for name in ("cantilever_swing", "flying_rod")
+    )
+    assert surely_held(held)
+    assert free_motions(held) == []
+    assert not surely_held(loose)

@@ -104,6 +104,22 @@ def test_what_another_value_makes_wrong_names_that_value():
         vr.sweep(swing, values, quantities=TIP, workers=1)
 
 
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (content("equilibrium"), r"case: dict: this is the content of a case file.*viscorod.load_case\("),
+        (None, r"case: None: a case is needed here, or the path of its file; give \"case.toml\""),
+        (3, "case: 3: a case is needed here"),
+    ],
+    ids=["content", "nothing", "a number"],
+)
+def test_what_is_no_case_is_refused_by_its_name(given, words):
+    with pytest.raises(vr.InputError, match=words):
+        vr.sweep(given, {FORCE: [1e-4]}, quantities=TIP, workers=1)
+    with pytest.raises(vr.InputError, match=words):
+        vr.ensemble(given, {FORCE: scipy.stats.norm(1e-4, 1e-5)}, n=4, quantities=TIP, workers=1)
+
+
 def give_up(result):
     """Ends the program, as scripts do that were not written to be called."""
     sys.exit(3)

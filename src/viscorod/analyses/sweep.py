@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import threading
 from collections.abc import Callable, Mapping, MutableMapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -11,6 +12,7 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.progress import counting
 from viscorod.analyses.sweeps.before_computing import checked, require_sendable, units_of
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
@@ -99,13 +101,7 @@ def sweep(
         SolveError: the sweep was interrupted, its executor broke, or its folder cannot take more members; ``run`` holds
             the `Sweep` of what was computed.
     """
-    if isinstance(case, ModelDescription):
-        instead = 'write it as one: model.to_toml("case.toml", "simulate", duration=1.0)'
-        raise InputError(
-            Fault("case", repr(case), "this is a model, and the numbers of a case are varied", instead)
-        )
-    if not isinstance(case, Case):
-        case = load_case(case)
+    case = _as_case(case)
     if progress is not None and not isinstance(progress, bool):
         require_callback("progress", progress, 0.0)
     rows = rows_of(values, grid, constants)
@@ -190,6 +186,29 @@ def sweep(
     return result
 
 
+def _as_case(given: Any) -> Case:
+    """Return a case, read if its path was given.
+
+    Raises:
+        InputError: it is neither.
+    """
+    if isinstance(given, Case):
+        return given
+    if isinstance(given, str | os.PathLike):
+        return load_case(Path(given))
+    if isinstance(given, ModelDescription):
+        why = "this is a model, and the numbers of a case are varied"
+        instead = 'write it as one: model.to_toml("case.toml", "simulate", duration=1.0)'
+    elif isinstance(given, Mapping):
+        why = "this is the content of a case file, and a case is needed here"
+        instead = 'give the path of the file, or what viscorod.load_case("case.toml") returns'
+    else:
+        why = "a case is needed here, or the path of its file"
+        instead = 'give "case.toml", or what viscorod.load_case("case.toml") returns'
+    shown = type(given).__name__ if isinstance(given, Mapping) else show(given)
+    raise InputError(Fault("case", shown, why, instead))
+
+
 class _Members(FoundMembers):
     """The members of a sweep that runs; one that cannot be kept stops it, since others could not be kept either."""
 
@@ -270,11 +289,13 @@ def _alone(
     progress: Progress,
 ) -> None:
     """Compute one member after the other, in this process."""
-    for k, number in enumerate(due):
+    # to look at all libraries for every member takes as long as a thirtieth of a small one
+    with one_blas_thread():
+        for k, number in enumerate(due):
 
-        def tell(part: float, *, k: int = k) -> None:
-            progress(k + part)
+            def tell(part: float, *, k: int = k) -> None:
+                progress(k + part)
 
-        found[number] = UNTOUCHED if stop.is_set() else work(jobs[number], tell, stop.is_set)
-        if not stop.is_set():
-            progress(k + 1.0)
+            found[number] = UNTOUCHED if stop.is_set() else work(jobs[number], tell, stop.is_set)
+            if not stop.is_set():
+                progress(k + 1.0)

@@ -19,11 +19,12 @@ from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
+from viscorod.model.fields.quantities import has_quantity
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.units import Conversion
 from viscorod.wording import nearest
 
-__all__ = ["Case", "case_from_dict", "load_case", "parse_case"]
+__all__ = ["Case", "case_from_dict", "is_plain", "load_case", "parse_case"]
 
 M = TypeVar("M", bound=ModelDescription)
 
@@ -101,7 +102,12 @@ def parse_case(text: str, source: Path | None = None) -> Case:
 
 
 def case_from_dict(
-    data: Mapping[str, Any], source: Path | None = None, text: str = "", known: KnownParts | None = None
+    data: Mapping[str, Any],
+    source: Path | None = None,
+    text: str = "",
+    known: KnownParts | None = None,
+    *,
+    plain: bool = False,
 ) -> Case:
     """Read the content of a case file given as nested dicts and lists; see `load_case`.
 
@@ -109,13 +115,14 @@ def case_from_dict(
         data: the content; source, text: of the file, if there is one.
         known: parts of a case like this one, such as another member of a sweep; those that are the same are not read
             again.
+        plain: whether it is known to be `is_plain`.
     """
     heading = str(source) if source is not None else "case"
-    if deep := too_deep(data):
+    if not plain and (deep := too_deep(data)):
         why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
         raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)
-    plain, conversions, refused = converted(data)
-    reader = CaseReader(plain if source is None else _found_from(source.parent, plain), known)
+    in_si, conversions, refused = (data, [], []) if plain else converted(data)
+    reader = CaseReader(in_si if source is None else _found_from(source.parent, in_si), known)
     reader.read(whole=not refused)
     reported = {problem.where for problem in refused}
     problems = [*refused, *(problem for problem in reader.problems if problem.where not in reported)]
@@ -125,6 +132,11 @@ def case_from_dict(
         raise InputError(problems, heading=heading)
     title = reader.title or (source.stem if source is not None else "untitled")
     return Case(title, reader.model, reader.settings, source, data, text, tuple(conversions))
+
+
+def is_plain(data: Mapping[str, Any]) -> bool:
+    """Return whether a content has no quantities with units, and no more tables within tables than a case needs."""
+    return not too_deep(data) and not has_quantity(data)
 
 
 def _found_from(folder: Path, value: Any) -> Any:

@@ -20,6 +20,7 @@ class KnownParts:
 
     def __init__(self) -> None:
         self._made: dict[tuple[str, Callable[[Any], Any]], tuple[Any, Any]] = {}
+        self._judged: tuple[Any, bool] = (None, False)
 
     def find(self, path: str, parse: Callable[[Any], Any], content: Any) -> Any:
         """Return what ``parse`` made of the same content at a place; None if it was not the same, or nothing."""
@@ -29,6 +30,12 @@ class KnownParts:
     def keep(self, path: str, parse: Callable[[Any], Any], content: Any, part: Any) -> None:
         """Keep what was made of a content, which is not changed from here on."""
         self._made[path, parse] = content, part
+
+    def judge(self, content: Any, question: Callable[[Any], bool]) -> bool:
+        """Return what a question about the content that all cases come from is answered with; it is asked once."""
+        if self._judged[0] is not content:
+            self._judged = content, question(content)
+        return self._judged[1]
 
 
 def same(one: Any, other: Any) -> bool:

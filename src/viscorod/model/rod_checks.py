@@ -11,6 +11,7 @@ from viscorod.errors import InputError
 from viscorod.limits import LARGEST_NUMBER, SMALLEST_NUMBER
 from viscorod.model.cable import with_direction
 from viscorod.model.centrelines.centreline import Twist
+from viscorod.model.centrelines.line_shapes import Straight
 from viscorod.model.fields.forms import named_or, quantity
 from viscorod.model.fields.metadata import Check, accepts
 from viscorod.model.fields.values import number, whole_number
@@ -110,6 +111,8 @@ def reaching_centre(rod: Rod) -> tuple[float, float] | None:
 
     None where it does nowhere, or the points of the section are not known.
     """
+    if isinstance(rod.centreline, Straight):
+        return None
     stations = np.linspace(0.0, rod.length, LOOKED_AT)
     bent = np.linalg.norm(rod.centreline.curvature(stations), axis=1)
     for s in stations[bent * _half_width(rod) >= 1.0].tolist():
@@ -184,11 +187,14 @@ def _stations_cover_length(rod: Rod, section: Stations) -> None:
 def _usable(rod: Rod, s: float, section: AnySection) -> None:
     """Refuse sections whose stiffness or mass is not a positive number in double precision."""
     material = rod.material if section.needs_material else None
-    if material is not None and material.pending:
-        material = material.with_damping(None)
     try:
         with np.errstate(all="ignore"):
-            stiffness, damping, inertia = section.matrices(material)
+            if material is not None and material.pending:
+                stiffness, damping, inertia = section.matrices(material.with_damping(None))
+            elif rod.uniform:  # which keeps them
+                stiffness, damping, inertia = rod.matrices_at(s)
+            else:
+                stiffness, damping, inertia = section.matrices(material)
     except (OverflowError, ZeroDivisionError):
         stiffness = damping = inertia = np.full((6, 6), math.nan)
     except InputError as error:

@@ -139,7 +139,7 @@ def _content(
     """Return variables, coordinates along stations, points and others, and dimensions whose places have names."""
     along = DIMENSION[kind]
     reader = station_reader(problem)
-    r0, q0, _, _ = reader.read(problem.positions, problem.quaternions, np.zeros((problem.size, 6)))
+    r0, q0 = (array.copy() for array in _reference(problem))
     recorded, (energy, branch_loss) = history.states(), history.energies()
     r, q, twist = recorded.r, recorded.q, recorded.twist
     position, rotation, velocity, spin = reader.read(r, q, twist)
@@ -225,6 +225,7 @@ def _dissipation(problem: Problem, gauss: GaussPositions, recorded: Snapshots) -
     return np.asarray(power)
 
 
+@once_of_layout
 def _stations(problem: Problem) -> tuple[np.ndarray, Floats, Integers]:
     """Return of every station the rod or body, the arc length [m], and the order of its elements, 0 of bodies."""
     names, bodies, stations = np.array(problem.rods), problem.bodies.names, problem.stations
@@ -234,13 +235,19 @@ def _stations(problem: Problem) -> tuple[np.ndarray, Floats, Integers]:
 
 
 @once_of_layout
+def _reference(problem: Problem) -> tuple[Floats, Floats]:
+    """Return positions [m] and orientations of all stations in the reference shape."""
+    return station_reader(problem).poses(problem.positions, problem.quaternions)
+
+
+@once_of_layout
 def _sites(problem: Problem) -> ResultPlaces:
     return ResultPlaces.of(*_stations(problem))
 
 
 def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader) -> dict[str, Any]:
     """Return where stations and Gauss points are, and the relaxation times."""
-    rods, s, order = _stations(problem)
+    rods, s, order = (array.copy() for array in _stations(problem))
     coordinates: dict[str, Any] = {
         "station_rod": ("station", rods),
         "station_s": ("station", s),

@@ -66,6 +66,8 @@ class LateAttributes(MutableMapping[str, Any]):
 
     def __or__(self, other: Mapping[str, Any]) -> LateAttributes:
         late = other if isinstance(other, LateAttributes) else LateAttributes(other)
+        if not late._later:
+            return LateAttributes(self._known | late._known, *self._later)
         # what the right one makes later replaces what the left one knows, or would make
         coming = {name for one in late._later for name in one.names}
         known = {name: value for name, value in self._known.items() if name not in coming} | late._known

@@ -7,9 +7,9 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from viscorod.analyses.case_run import discretised_case
-from viscorod.analyses.sweeps.member_work import MemberWork, member_content
+from viscorod.analyses.sweeps.member_work import MemberWork, member_case
 from viscorod.analyses.sweeps.rows import Row
-from viscorod.casefile.case import Case, case_from_dict
+from viscorod.casefile.case import Case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.unit_conversion import unit_at
 from viscorod.errors import Fault, InputError
@@ -38,8 +38,7 @@ def checked(
     places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
     for k, row in rows.items():
         try:
-            content, note = member_content(case.content, case.source, row, keep, known)
-            read[k] = case_from_dict({"title": case.title, **content}, case.source, known=known)
+            read[k], note = member_case(case.content, case.source, case.title, row, keep, known)
             if k == 0 and places:
                 _require_places(read[k], places)
         except InputError as error:

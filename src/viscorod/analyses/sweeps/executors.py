@@ -318,7 +318,7 @@ def _compute_batch(work: Work, stopped: Callable[[], bool], jobs: Sequence[Any])
     began = time.perf_counter()
     results: list[Found] = []
     full = False
-    with little_garbage():
+    with little_garbage(), one_blas_thread():
         for job in jobs:
             results.append(UNTOUCHED if full or stopped() else work(job, _nowhere, stopped))
             full = full or results[-1][2] == NOT_KEPT  # a disk that is full takes no other either

@@ -10,7 +10,7 @@ from typing import Any, TypeAlias
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
-from viscorod.casefile.case import Case, case_from_dict
+from viscorod.casefile.case import Case, case_from_dict, is_plain
 from viscorod.casefile.case_keys import put
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import InputError, SolveError, came_of_interrupt
@@ -22,7 +22,7 @@ from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.whole_files import why_not
 
-__all__ = ["MemberWork", "member_content"]
+__all__ = ["MemberWork", "member_case"]
 
 Job: TypeAlias = tuple[Row, str, bool, Case | None]
 """Values of a member, its name, whether its errors are estimated, and its case where that was read already."""
@@ -57,6 +57,20 @@ def member_content(
         table["output_interval"] = interval = settings.duration / OUTPUTS
         return own, f"output_interval = {interval:g} s, a {OUTPUTS}th of the duration: the case gives none"
     return own, ""
+
+
+def member_case(
+    content: Mapping[str, Any], source: Path | None, title: str, row: Row, keep: bool, known: KnownParts
+) -> tuple[Case, str]:
+    """Return the case of a member, and what was chosen for it; the arguments are those of `member_content`.
+
+    Raises:
+        InputError: a key or a value is wrong.
+    """
+    own, note = member_content(content, source, row, keep, known)
+    numbers = all(type(value) in (int, float) for value in row.values())
+    plain = numbers and known.judge(content, is_plain)
+    return case_from_dict({"title": title, **own}, source, known=known, plain=plain), note
 
 
 def _apart(value: Any) -> Any:
@@ -112,8 +126,7 @@ class MemberWork:
         Raises:
             InputError: a key or a value is wrong.
         """
-        content, _ = member_content(self.content, self.source, row, self.keep, self.known)
-        return case_from_dict({"title": self.title, **content}, self.source, known=self.known)
+        return member_case(self.content, self.source, self.title, row, self.keep, self.known)[0]
 
     def died(self, job: Job, why: str) -> Found:
         """Record a member whose workers died of it, or were lost; the next call does not try it again by itself."""

@@ -17,6 +17,7 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import Any, TypeAlias
 
+from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweeps.process_start import context as processes
 from viscorod.analyses.sweeps.process_start import one_thread_each
 from viscorod.errors import InputError
@@ -232,24 +233,25 @@ def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str])
     def stopped() -> bool:
         return bool(cells[len(cells) - 1])
 
-    frozen = False
-    while True:
-        try:
-            number, job = connection.recv()
-        except (EOFError, OSError):  # the parent is done, or gone
-            return
+    with one_blas_thread():
+        frozen = False
+        while True:
+            try:
+                number, job = connection.recv()
+            except (EOFError, OSError):  # the parent is done, or gone
+                return
 
-        def tell(part: float, *, number: int = number) -> None:
-            cells[number] = part
+            def tell(part: float, *, number: int = number) -> None:
+                cells[number] = part
 
-        result = UNTOUCHED if stopped() else work(job, tell, stopped)
-        if not frozen:
-            gc.freeze()  # what the first member has loaded stays; to count what is frozen takes as long as a member
-            frozen = True
-        try:
-            connection.send((number, result))
-        except OSError:
-            return
-        except Exception as error:  # what cannot be sent must not cost the others their results
-            text = f"its result could not be handed over ({type(error).__name__}: {error})"
-            connection.send((number, (None, text, FAILED)))
+            result = UNTOUCHED if stopped() else work(job, tell, stopped)
+            if not frozen:
+                gc.freeze()  # what the first member has loaded stays; to count what is frozen takes as long as a member
+                frozen = True
+            try:
+                connection.send((number, result))
+            except OSError:
+                return
+            except Exception as error:  # what cannot be sent must not cost the others their results
+                text = f"its result could not be handed over ({type(error).__name__}: {error})"
+                connection.send((number, (None, text, FAILED)))

@@ -136,6 +136,12 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
 
         def __getattr__(self, name: str) -> Any:
             """Refuse a name that is not there, with the nearest one that is."""
+            try:  # Pydantic finds what is private too, in ten times as long
+                private = object.__getattribute__(self, "__pydantic_private__")
+            except AttributeError:  # of an object that was refused
+                private = None
+            if private is not None and name in private:
+                return private[name]
             try:
                 return super().__getattr__(name)
             except AttributeError:

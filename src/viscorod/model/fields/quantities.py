@@ -50,11 +50,11 @@ def has_quantity(value: Any) -> bool:
         return False
     if isinstance(value, str):
         return looks_like_quantity(value)
-    if isinstance(value, Mapping):
+    if isinstance(value, dict | Mapping):
         return any(map(has_quantity, value.values()))
     if isinstance(value, list | tuple):
         return any(map(has_quantity, value))
-    return waits(value) or is_quantity(value)
+    return value is not None and (waits(value) or is_quantity(value))
 
 
 def waits(value: Any) -> bool:

@@ -45,7 +45,9 @@ class HeldCoordinates:
     def __init__(self, problem: Problem, elements: Callable[[], Elements]) -> None:
         self.problem = problem
         geometry = problem.joints.arrays.geometry.copy()
-        self.joints = replace(problem.joints, arrays=problem.joints.arrays._replace(geometry=geometry))
+        self.joints = problem.joints
+        if self.joints.count:
+            self.joints = replace(problem.joints, arrays=problem.joints.arrays._replace(geometry=geometry))
         self.held, self.arrays = problem.held, self.joints.arrays
         self.ball_motors = BallMotors(self.joints, geometry)
         c, places = self.joints.count, 6 * problem.multipliers
@@ -76,6 +78,8 @@ class HeldCoordinates:
     def _gaps_of_reference(self) -> Floats:
         """Return the values of held coordinates in the reference shape, their initial gaps ``(c,)``."""
         problem = self.problem
+        if not self.joints.count:
+            return np.zeros(0)
         still = np.zeros((problem.size, 6))
         value, _, _ = self.joints.measure(problem.positions, problem.quaternions, still)
         value[~self.is_held] = 0.0

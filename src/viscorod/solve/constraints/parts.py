@@ -14,7 +14,7 @@ from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
-__all__ = ["Parts", "held_motions", "jointed_parts", "many_parts", "null_space"]
+__all__ = ["Parts", "count_of_parts", "held_motions", "jointed_parts", "many_parts", "null_space"]
 
 MANY = 120
 """Parts that joints join above which their free motions are not found one by one: full matrices would be too large."""
@@ -180,6 +180,11 @@ def null_space(rows: Floats, tolerance: float = 1e-9) -> list[Floats]:
         _, values, basis = np.linalg.svd(null)
         result.extend(basis[k] for k in range(len(values)) if values[k] > 1e-6)
     return result
+
+
+def count_of_parts(problem: Problem) -> int:
+    """Return how many parts there are."""
+    return _numbered(problem)[0]
 
 
 def _numbered(problem: Problem) -> tuple[int, Integers]:

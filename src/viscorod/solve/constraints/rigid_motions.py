@@ -9,7 +9,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.solve.constraints.free_motion import FreeMotion, described
-from viscorod.solve.constraints.parts import Parts, held_motions, many_parts, null_space
+from viscorod.solve.constraints.parts import Parts, count_of_parts, held_motions, many_parts, null_space
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.problem import Problem
@@ -30,6 +30,12 @@ def free_motions(problem: Problem) -> list[FreeMotion]:
     gradients = joints.measure(r, q, np.zeros((problem.size, 6)))[2]
     counted = (joints.arrays.place >= 0) | joints.has_spring
     return [described(parts, group, motion) for group, motion in parts.free(held, gradients, counted)]
+
+
+@once_of_layout
+def surely_held(problem: Problem) -> bool:
+    """Return whether all is one part that a support holds completely: no rigid motion is left then."""
+    return len(problem.supports.complete) > 0 and count_of_parts(problem) == 1
 
 
 def motions_of_parts(

@@ -32,6 +32,8 @@ def multiplier_cliques(mesh: Mesh, first: int) -> tuple[list[Integers], int]:
 
 def held_strains(sets: tuple[ElementSet, ...], pattern: Pattern, nodes: int, first: int) -> HeldStrains:
     """Return the held strains of all elements; ``first`` as in :func:`multiplier_cliques`, ``nodes`` counts nodes."""
+    if not any(e.held.any() for e in sets):
+        return HeldStrains.none()
     most = max(e.nodes.shape[1] for e in sets)
     found: list[tuple[int, int, int, int, float]] = []
     up: list[list[int]] = []
@@ -50,8 +52,6 @@ def held_strains(sets: tuple[ElementSet, ...], pattern: Pattern, nodes: int, fir
                 down.append([pattern.slot(block, int(n)) for n in members] + rest)
             row += -(-len(held) // 6)
         begin += len(e.nodes)
-    if not found:
-        return HeldStrains.none()
     element_, point_, component_, place_, weight_ = zip(*found, strict=True)
     return HeldStrains(
         np.array(element_, dtype=np.int64),

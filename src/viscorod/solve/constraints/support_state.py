@@ -13,6 +13,7 @@ from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.free_block import free_block, free_rows
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
+from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats, Integers
 
@@ -199,13 +200,10 @@ class SupportState:
 
     def free_basis(self, state: State) -> sparse.csc_array:
         """Return columns that span the body increments that the supports allow, one per free row."""
-        free = self.free_rows()
-        size = 6 * self.problem.size
         if len(self.partial) == 0:
-            return sparse.csc_array(
-                (np.ones(len(free)), free, np.arange(len(free) + 1)), shape=(size, len(free))
-            )
-        blocks = sparse.eye_array(size, format="lil")
+            return _picked(self.problem).copy()
+        free = self.free_rows()
+        blocks = sparse.eye_array(6 * self.problem.size, format="lil")
         for k in self.partial:
             first = 6 * int(self.set.nodes[k])
             blocks[first : first + 6, first : first + 6] = self._directions(int(k), state)[2]
@@ -226,8 +224,11 @@ class SupportState:
             ``(free, free)``; ``(6 n, free)``, from these motions to body increments of the nodes.
         """
         _, unit = self._reduce(state, residual, matrix)
-        basis = self.free_basis(state)
-        basis.data *= np.repeat(unit, np.diff(basis.indptr))
+        if len(self.partial):
+            basis = self.free_basis(state)
+            basis.data *= np.repeat(unit, np.diff(basis.indptr))
+        else:
+            basis = _picked_in_lengths(self.problem)
         return free_block(self.problem).matrix(matrix.blocks), basis
 
     def reduced_tangent(self, state: State, residual: Floats, matrix: Matrix) -> Floats:
@@ -281,3 +282,19 @@ class SupportState:
         nodes = self.set.nodes[self.complete]
         if self.moving and len(nodes):
             residual[nodes] += np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)
+
+
+@once_of_layout
+def _picked(problem: Problem) -> sparse.csc_array:
+    """Return columns that pick the body increments of nodes that no support holds ``(6 n, free)``."""
+    free = free_rows(problem)
+    columns = np.ones(len(free)), free, np.arange(len(free) + 1)
+    return sparse.csc_array(columns, shape=(6 * problem.size, len(free)))
+
+
+@once_of_layout
+def _picked_in_lengths(problem: Problem) -> sparse.csc_array:
+    """Return the same with displacements in lengths of the model; whoever reads it changes nothing in it."""
+    basis = _picked(problem).copy()
+    basis.data *= free_block(problem).unit
+    return basis

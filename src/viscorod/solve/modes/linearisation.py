@@ -18,7 +18,7 @@ from scipy import sparse
 from viscorod.errors import SolveError
 from viscorod.solve.constraints.free_block import free_block
 from viscorod.solve.constraints.null_space import null_space
-from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts
+from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts, surely_held
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
@@ -136,11 +136,12 @@ def linearise(
     whole = Linearisation(
         tangent.stiffness, damping, mass, basis, tangent.gradients, work=tangent.work, loss=tangent.loss
     )
-    held = [supports._directions(k, state)[1] for k in range(len(supports.set.nodes))]
-    gradients = system.constraints.measure(resting)[2]
-    parts = motions_of_parts(problem, state.r, state.q, held, gradients)
-    found = whole
-    if parts.found:
+    found, parts = whole, None
+    if not surely_held(problem):
+        held = [supports._directions(k, state)[1] for k in range(len(supports.set.nodes))]
+        gradients = system.constraints.measure(resting)[2]
+        parts = motions_of_parts(problem, state.r, state.q, held, gradients)
+    if parts is not None and parts.found:
         # what resists rigid motions of parts: loads, reactions, springs and dampers
         bare, resistance = without_elements(system), Matrix(problem.pattern)
         held_by = np.where(np.abs(state.multiplier) > noise, state.multiplier, 0.0)

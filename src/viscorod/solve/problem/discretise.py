@@ -13,16 +13,15 @@ from viscorod.model.actions.load import AnyLoad
 from viscorod.model.actions.time_function import Sine, TimeFunction
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.connections.place import BodyPlace
-from viscorod.model.connections.resolved_places import required_breaks
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import held_strains
-from viscorod.solve.problem.division import Divisions, divided
+from viscorod.solve.problem.chosen_divisions import chosen_divisions
+from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.layout import layout_of
 from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import element_sets
 from viscorod.solve.problem.placement import Placement
-from viscorod.solve.problem.prescribed_turns import prescribed_turn
 from viscorod.solve.problem.problem import Problem
 from viscorod.typing import Floats
 
@@ -47,9 +46,9 @@ def discretise(
         model.validate()
     layout = layout_of(model, chosen_divisions(model) if divisions is None else divisions)
     mesh = layout.mesh_of(model)
-    places = Placement(model, mesh)
+    places = Placement(model, mesh, layout.spots)
     pattern, joints, supports = layout.pattern, layout.joints, layout.supports
-    sets, mass, relaxation_times = element_sets(mesh, pattern)
+    sets, mass, relaxation_times = element_sets(mesh, layout.sets)
     refuse_massless_turns(model.bodies, mesh, mass, supports)
     nodal_loads, station_loads, motion_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
@@ -94,26 +93,6 @@ def discretise(
     )
     object.__setattr__(problem, "of_layout", layout.found)
     return problem
-
-
-def chosen_divisions(model: ModelDescription) -> Divisions:
-    """Return how the rods of a model are divided unless told otherwise.
-
-    Raises:
-        InputError: a rod has too few elements.
-    """
-    breaks: dict[str, list[float]] = {name: list(rod.section_breaks) for name, rod in model.rods.items()}
-    wishes: dict[str, list[float]] = {name: [] for name in model.rods}
-    for place in required_breaks(model):
-        breaks[place.rod].append(place.s)
-    for load in model.loads:
-        for place in load.breaks(model):
-            wishes[place.rod].append(place.s)
-    for strain in model.rest_strains:
-        length = model.rods[strain.rod].length
-        wishes[strain.rod] += [s for s in strain.stations or () if 1e-9 * length < s < (1.0 - 1e-9) * length]
-    turn = prescribed_turn(model)
-    return {name: divided(name, rod, breaks[name], wishes[name], turn) for name, rod in model.rods.items()}
 
 
 def _sampled(load: AnyLoad) -> bool:

@@ -12,6 +12,7 @@ from viscorod.mechanics.elements.basis import lagrange
 from viscorod.mechanics.nodes import applied_loads as loading
 from viscorod.mechanics.nodes.attached_poses import ElementNodes, PointWrench
 from viscorod.mechanics.nodes.motion_loads import MotionLoads, MotionTangent, MotionWork, add_motion_loads
+from viscorod.solve.once import once
 from viscorod.solve.problem.imposed_strains import Imposed
 from viscorod.solve.problem.law_callbacks import MotionLaws
 from viscorod.solve.problem.problem import NodalLoad, Problem
@@ -134,6 +135,7 @@ class LoadRows(NamedTuple):
     distinct: bool
 
 
+@once
 def _rows_of(load: NodalLoad) -> tuple[LoadRows | None, LoadRows | None, LoadRows | None]:
     """Return dead and following wrenches of a load, and its levers, where they are not zero."""
     levers = load.arms[:, :, None] * load.dead[:, None, :3]

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 import scipy  # its parts are imported when they are asked for
@@ -20,6 +21,16 @@ NUMBERS = 3
 """Exchanged in a call: number of the law, value and rate; then force and dissipated power."""
 
 
+@cache
+def _no_callback() -> Callback:
+    """Return one that is never called."""
+    return Callback(_nothing)
+
+
+def _nothing(_numbers: Floats) -> None:
+    raise AssertionError("there is no law")
+
+
 class LawCallbacks:
     """Forces of coordinates whose springs or dampers are Python functions.
 
@@ -29,7 +40,7 @@ class LawCallbacks:
 
     def __init__(self, laws: tuple[tuple[Law, Law, float], ...]) -> None:
         self.laws = laws
-        self.callback = Callback(self._answer)
+        self.callback = Callback(self._answer) if laws else _no_callback()
         self._energy = [0.0] * len(laws)
         self._stretch = [0.0] * len(laws)
 
@@ -80,7 +91,8 @@ class MotionLaws:
 
     def __init__(self, laws: Sequence[MotionLaw]) -> None:
         self.laws = list(laws)
-        self.callback = Callback(self._answer)
+        python = any(not isinstance(law, CompiledLaw) for law in laws)
+        self.callback = Callback(self._answer) if python else _no_callback()
         self.rows = np.zeros((len(self.laws), ROW))
         for k, (law, row) in enumerate(zip(self.laws, self.rows, strict=True)):
             if isinstance(law, CompiledLaw):

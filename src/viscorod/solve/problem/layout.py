@@ -19,13 +19,13 @@ from viscorod.model.connections.place import AnyPlace, BodyPlace
 from viscorod.model.connections.resolved_places import find
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
-from viscorod.model.rod import Rod
 from viscorod.solve.constraints.strain_multipliers import multiplier_cliques
 from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.joint_set import JointSet, joint_set
-from viscorod.solve.problem.mesh import Mesh, divide, element_nodes, join, stations_of
-from viscorod.solve.problem.placement import Placement
+from viscorod.solve.problem.mesh import Mesh, SetPlaces, divide, element_nodes, join, set_places, stations_of
+from viscorod.solve.problem.model_parts import Alike, computed, part_token, shape_token, token
+from viscorod.solve.problem.placement import MeshPlace, Placement
 from viscorod.solve.problem.problem import Bodies, Stations, SupportSet
 from viscorod.typing import Integers
 
@@ -43,6 +43,8 @@ class Layout:
 
     Attributes:
         first_held: block row of the first multiplier of held strains.
+        sets: where elements are, by order.
+        spots: stations of rods whose nodes were sought, by index of the rod and arc length [m].
         found: what was found of this layout by :func:`~viscorod.solve.once.once_of_layout`, by name.
     """
 
@@ -56,6 +58,8 @@ class Layout:
     supports: SupportSet
     stations: Stations
     length: float
+    sets: tuple[SetPlaces, ...]
+    spots: dict[tuple[int, float], MeshPlace | None] = field(default_factory=dict, compare=False, repr=False)
     found: dict[str, Any] = field(default_factory=dict, compare=False, repr=False)
 
     @property
@@ -78,78 +82,27 @@ def layout_of(model: ModelDescription, divisions: Divisions) -> Layout:
         InputError: the mesh cannot satisfy the model.
     """
     nodes = sum(division.order * division.count + 1 for division in divisions.values())
-    if nodes + len(model.bodies) > MOST_NODES or any(map(_computed, model.rods.values())):
+    if nodes + len(model.bodies) > MOST_NODES or any(map(computed, model.rods.values())):
         return _laid_out(model, divisions)
-    return _kept(_Alike(model, divisions))
+    return _kept(Alike((model, divisions), _parts(model, divisions)))
 
 
-class _Alike:
-    """A model and its divisions, equal to all whose layout comes from the same parts."""
-
-    def __init__(self, model: ModelDescription, divisions: Divisions) -> None:
-        self.given: tuple[ModelDescription, Divisions] | None = (model, divisions)
-        self._parts: list[Any] = []
-        for name, rod in model.rods.items():
-            division = divisions[name]
-            self._parts += [name, division.order, division.ends.tobytes(), *map(_token, _shape(rod))]
-        for name, body in model.bodies.items():
-            self._parts += [name, _part(body)]
-        for parts in (model.supports, model.attachments, model.joints, model.springs):
-            self._parts += [len(parts), *map(_part, parts)]
-        self._number = hash(tuple(self._parts))
-
-    def __hash__(self) -> int:
-        return self._number
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Alike) and self._parts == other._parts
-
-
-class _Same:
-    """An object, equal to itself alone; it is kept, so that no other one takes its place."""
-
-    def __init__(self, part: Any) -> None:
-        self.part = part
-
-    def __hash__(self) -> int:
-        return id(self.part)
-
-    def __eq__(self, other: object) -> bool:
-        return isinstance(other, _Same) and self.part is other.part
-
-
-def _part(part: Any) -> Any:
-    """Return what stands for a part of a model: itself, and what its tables hold now, which its user may change."""
-    tables = [value for value in getattr(part, "__dict__", {}).values() if isinstance(value, dict)]
-    return _Same(part), *((key, _token(value)) for table in tables for key, value in table.items())
-
-
-def _shape(rod: Rod) -> tuple[Any, ...]:
-    """Return what of a rod its nodes depend on, and which strains it holds."""
-    return rod.centreline, rod.d1, rod.turn, rod.tilt, rod.constrained_strains, rod.elements
-
-
-def _computed(rod: Rod) -> bool:
-    """Return whether the shape of a rod comes from functions of its user, who may want other values the next time."""
-    return any(map(callable, (rod.turn, rod.tilt, *(value for _, value in rod.centreline))))
-
-
-def _token(value: Any) -> Any:
-    """Return what stands for a value: numbers to the last bit, other objects themselves."""
-    if isinstance(value, np.ndarray):
-        return value.shape, value.tobytes()
-    if value is None or isinstance(value, bool | int | float | str):
-        return repr(value)
-    if isinstance(value, tuple):
-        return tuple(map(_token, value))
-    return _Same(value)
+def _parts(model: ModelDescription, divisions: Divisions) -> list[Any]:
+    """Return what stands for all that the layout of a model depends on."""
+    found: list[Any] = []
+    for name, rod in model.rods.items():
+        division = divisions[name]
+        found += [name, division.order, division.ends.tobytes(), *map(token, shape_token(rod))]
+    for name, body in model.bodies.items():
+        found += [name, part_token(body)]
+    for parts in (model.supports, model.attachments, model.joints, model.springs):
+        found += [len(parts), *map(part_token, parts)]
+    return found
 
 
 @lru_cache(maxsize=KEPT)
-def _kept(alike: _Alike) -> Layout:
-    assert alike.given is not None
-    given, alike.given = alike.given, None  # sections and loads are not kept
-    return _laid_out(*given)
+def _kept(alike: Alike) -> Layout:
+    return _laid_out(*alike.taken())
 
 
 def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
@@ -180,6 +133,8 @@ def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
         supports=_supports(model, places),
         stations=stations_of(mesh),
         length=length,
+        sets=set_places(mesh, pattern),
+        spots=places.spots,
     )
 
 

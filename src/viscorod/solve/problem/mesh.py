@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 
@@ -210,86 +209,130 @@ class SectionTable:
         return np.array(found).reshape(len(self.branches), len(times), 6, 6)
 
 
-def element_sets(mesh: Mesh, pattern: Pattern) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
+@dataclass(frozen=True)
+class SetPlaces:
+    """Where the elements of one order are: what of an ``ElementSet`` does not depend on sections and materials.
+
+    ``rods`` are the indices of their rods, in this order; the other fields are those of ``ElementSet``.
+    """
+
+    order: int
+    rods: tuple[int, ...]
+    nodes: Integers
+    links: Integers
+    slots: Integers
+    rod: Integers
+    start: Floats
+    half_lengths: Floats
+    shapes: Floats
+    slopes: Floats
+    weights: Floats
+
+
+def set_places(mesh: Mesh, pattern: Pattern) -> tuple[SetPlaces, ...]:
+    """Return where elements are, by order."""
+    found = []
+    for order in sorted({m.order for m in mesh.rods}):
+        rods = tuple(i for i, m in enumerate(mesh.rods) if m.order == order)
+        ends = [mesh.rods[i].ends for i in rods]
+        nodes = np.concatenate([element_nodes(mesh.shared[i], order) for i in rods])
+        shapes, slopes = gauss_table(order)
+        found.append(
+            SetPlaces(
+                order=order,
+                rods=rods,
+                nodes=nodes,
+                links=np.concatenate([element_nodes(mesh.links[i], order) for i in rods]),
+                slots=pattern.slots(nodes),
+                rod=np.concatenate([np.full(len(s) - 1, i) for i, s in zip(rods, ends, strict=True)]),
+                start=np.concatenate([s[:-1] for s in ends]),
+                half_lengths=np.concatenate([0.5 * np.diff(s) for s in ends]),
+                shapes=shapes,
+                slopes=slopes,
+                weights=gauss(order)[1],
+            )
+        )
+    return tuple(found)
+
+
+def element_sets(mesh: Mesh, places: tuple[SetPlaces, ...]) -> tuple[tuple[ElementSet, ...], Floats, Floats]:
     """Return element arrays by order, nodal masses ``(n, 6, 6)`` lumped at Gauss-Lobatto nodes, relaxation times."""
     mass = np.zeros((len(mesh.positions), 6, 6))
     for body, node, link in zip(mesh.bodies, mesh.body_nodes, mesh.body_links, strict=True):
         own = body.mass_matrix()
         mass[node] += own if link < 0 else _moved(own, mesh, int(link))
-    sets = []
     tables: list[SectionTable] = []
-    for order in sorted({m.order for m in mesh.rods}):
+    numbers: list[tuple[Integers, Floats]] = []
+    for where in places:
         table = SectionTable()
-        columns: dict[str, list[Any]] = {
-            k: [] for k in ("nodes", "links", "rod", "start", "half", "section", "width")
-        }
-        points, weights = gauss(order)
-        lumps = lobatto(order)[1]
-        for i, rod_mesh in enumerate(mesh.rods):
-            if rod_mesh.order != order:
-                continue
-            start, half = rod_mesh.ends[:-1], 0.5 * np.diff(rod_mesh.ends)
-            nodes = element_nodes(mesh.shared[i], order)
-            links = element_nodes(mesh.links[i], order)
-            section = np.empty((len(start), order), dtype=np.int64)
-            widths = np.empty((len(start), order))
-            lumped = np.empty((len(start), order + 1, 6, 6))
-            middle = start + half
-            held = np.array(rod_mesh.rod.constrained_strains, dtype=float)
-            if rod_mesh.rod.uniform:
-                section[:] = table.add(rod_mesh.rod, 0.0, held)
-                widths[:] = rod_mesh.rod.section_at(0.0).half_width or 0.0
-                mass_per_length = rod_mesh.rod.matrices_at(0.0)[2]
-                lumped[:] = half[:, None, None, None] * lumps[:, None, None] * mass_per_length
-            else:
-                for e in range(len(start)):
-                    for g in range(order):
-                        s = middle[e] + half[e] * points[g]
-                        section[e, g] = table.add(rod_mesh.rod, s, held)
-                        widths[e, g] = rod_mesh.rod.section_at(s).half_width or 0.0
-                    for k in range(order + 1):
-                        # just inside the element: the section may change at its end
-                        inside = middle[e] + half[e] * lobatto(order)[0][k] * (1.0 - 1e-9)
-                        lumped[e, k] = half[e] * lumps[k] * rod_mesh.rod.matrices_at(inside)[2]
+        section = np.empty((len(where.nodes), where.order), dtype=np.int64)
+        widths = np.empty(section.shape)
+        first = 0
+        for i in where.rods:
+            mine = slice(first, first + len(mesh.rods[i].ends) - 1)
+            section[mine], widths[mine], lumped = _sections_along(mesh.rods[i].rod, where, mine, table)
+            links = where.links[mine]
             for e, k in zip(*np.nonzero(links >= 0), strict=True):
                 lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
-            np.add.at(mass, nodes, lumped)
-            for key, column in zip(
-                columns, (nodes, links, np.full(len(start), i), start, half, section, widths), strict=True
-            ):
-                columns[key].append(column)
-        shapes, slopes = gauss_table(order)
-        joined: dict[str, Any] = {
-            key: np.ascontiguousarray(np.concatenate(value)) for key, value in columns.items()
-        }
+            np.add.at(mass, where.nodes[mine], lumped)
+            first = mine.stop
         tables.append(table)
-        sets.append(
-            ElementSet(
-                order=order,
-                nodes=joined["nodes"],
-                links=joined["links"],
-                slots=pattern.slots(joined["nodes"]),
-                rod=joined["rod"],
-                start=joined["start"],
-                half_lengths=joined["half"],
-                shapes=shapes,
-                slopes=slopes,
-                weights=weights,
-                section=joined["section"],
-                half_widths=joined["width"],
-                stiffness=np.array(table.stiffness),
-                damping=np.array(table.damping),
-                held=np.array(table.held),
-                branches=np.zeros((0, 0, 6, 6)),
-                laws=SectionLaws.of(table.laws, np.array(table.held)),
-            )
-        )
+        numbers.append((section, widths))
     # branches of one time are one branch, whatever rods they are in
     times = sorted({time for table in tables for own in table.branches for time in own})
-    complete = [
-        replace(known, branches=table.branches_of(times)) for known, table in zip(sets, tables, strict=True)
+    sets = [
+        ElementSet(
+            order=where.order,
+            nodes=where.nodes,
+            links=where.links,
+            slots=where.slots,
+            rod=where.rod,
+            start=where.start,
+            half_lengths=where.half_lengths,
+            shapes=where.shapes,
+            slopes=where.slopes,
+            weights=where.weights,
+            section=section,
+            half_widths=widths,
+            stiffness=np.array(table.stiffness),
+            damping=np.array(table.damping),
+            held=np.array(table.held),
+            branches=table.branches_of(times),
+            laws=SectionLaws.of(table.laws, np.array(table.held)),
+        )
+        for where, table, (section, widths) in zip(places, tables, numbers, strict=True)
     ]
-    return tuple(complete), mass, np.array(times)
+    return tuple(sets), mass, np.array(times)
+
+
+def _sections_along(
+    rod: Rod, where: SetPlaces, mine: slice, table: SectionTable
+) -> tuple[Integers, Floats, Floats]:
+    """Return the sections of a rod and their half widths at the Gauss points of its elements, and lumped masses."""
+    order = where.order
+    start, half = where.start[mine], where.half_lengths[mine]
+    section = np.empty((len(start), order), dtype=np.int64)
+    widths = np.empty((len(start), order))
+    nodes, lumps = lobatto(order)
+    held = np.array(rod.constrained_strains, dtype=float)
+    if rod.uniform:
+        section[:] = table.add(rod, 0.0, held)
+        widths[:] = rod.section_at(0.0).half_width or 0.0
+        mass_per_length = rod.matrices_at(0.0)[2]
+        return section, widths, half[:, None, None, None] * lumps[:, None, None] * mass_per_length
+    points = gauss(order)[0]
+    lumped = np.empty((len(start), order + 1, 6, 6))
+    middle = start + half
+    for e in range(len(start)):
+        for g in range(order):
+            s = middle[e] + half[e] * points[g]
+            section[e, g] = table.add(rod, s, held)
+            widths[e, g] = rod.section_at(s).half_width or 0.0
+        for k in range(order + 1):
+            # just inside the element: the section may change at its end
+            inside = middle[e] + half[e] * nodes[k] * (1.0 - 1e-9)
+            lumped[e, k] = half[e] * lumps[k] * rod.matrices_at(inside)[2]
+    return section, widths, lumped
 
 
 def link_matrix(mesh: Mesh, link: int) -> Floats:

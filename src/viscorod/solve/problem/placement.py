@@ -33,11 +33,26 @@ class MeshPlace:
         return np.concatenate([force, moment + np.cross(self.arm, force)])
 
 
-class Placement:
-    """Finds places of a model in its mesh."""
+MOST_SPOTS = 1000
+"""Stations that are kept."""
 
-    def __init__(self, model: ModelDescription, mesh: Mesh) -> None:
+
+class Placement:
+    """Finds places of a model in its mesh.
+
+    Args:
+        model: whose places; mesh: its own.
+        spots: stations of rods that were found in this mesh, by index of the rod and arc length [m], for more.
+    """
+
+    def __init__(
+        self,
+        model: ModelDescription,
+        mesh: Mesh,
+        spots: dict[tuple[int, float], MeshPlace | None] | None = None,
+    ) -> None:
         self.model, self.mesh = model, mesh
+        self.spots = {} if spots is None else spots
         self._bodies = {name: index for index, name in enumerate(model.bodies)}
 
     def find(self, text: str) -> AnyPlace:
@@ -54,10 +69,13 @@ class Placement:
             turn = np.eye(3) if link < 0 else matrices(mesh.link_quaternions[link][None])[0]
             return MeshPlace(node, R.T @ (position_of(self.model, place)[0] - mesh.positions[node]), turn)
         rod = mesh.rod_index(place.rod)
+        if (rod, place.s) in self.spots:
+            return self.spots[rod, place.s]
         station = mesh.rods[rod].node_at(place.s)
-        if station is None:
-            return None
-        return self.at_station(rod, station)
+        found = None if station is None else self.at_station(rod, station)
+        if len(self.spots) < MOST_SPOTS:
+            self.spots[rod, place.s] = found
+        return found
 
     def at_station(self, rod: int, station: int) -> MeshPlace:
         """Return where a station of a rod is."""

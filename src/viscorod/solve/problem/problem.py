@@ -22,6 +22,8 @@ from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.typing import Floats, Integers
 
+_OFF_DIAGONAL = ~np.eye(6, dtype=bool)
+
 
 @dataclass(frozen=True)
 class ElementSet:
@@ -62,9 +64,8 @@ class ElementSet:
         """True if any section couples different strains; kernels skip the off-diagonals otherwise."""
         if self.laws.present:
             return True
-        off = ~np.eye(6, dtype=bool)
         matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
-        return any(bool(np.any(matrix[:, off] != 0.0)) for matrix in matrices)
+        return any(bool(matrix[:, _OFF_DIAGONAL].any()) for matrix in matrices)
 
 
 @dataclass(frozen=True)

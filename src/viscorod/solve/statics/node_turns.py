@@ -6,8 +6,9 @@ import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product, rotation_vectors
 from viscorod.solve.formulations.system import State
+from viscorod.solve.once import once_of_layout
 from viscorod.solve.problem.problem import Problem
-from viscorod.typing import Floats
+from viscorod.typing import Floats, Integers
 
 LARGEST = 0.9 * np.pi
 """Largest rotation [rad] between neighbouring nodes of an equilibrium: quaternions beyond half a turn wrap."""
@@ -21,13 +22,7 @@ class NodeTurns:
 
     def __init__(self, problem: Problem) -> None:
         self._turned = problem.link_quaternions
-        first = (
-            [e.nodes[:, :-1].ravel() for e in problem.sets],
-            [e.links[:, :-1].ravel() for e in problem.sets],
-        )
-        then = [e.nodes[:, 1:].ravel() for e in problem.sets], [e.links[:, 1:].ravel() for e in problem.sets]
-        self._first = np.concatenate(first[0]), np.concatenate(first[1])
-        self._then = np.concatenate(then[0]), np.concatenate(then[1])
+        self._first, self._then = _ends_of_pairs(problem)
 
     def of(self, state: State) -> Floats:
         """Return the rotation vectors ``(pairs, 3)``, the shorter way round."""
@@ -64,3 +59,16 @@ class NodeTurns:
     def worst(self, state: State) -> int:
         """Return a node at the largest rotation."""
         return int(self._first[0][np.argmax(np.linalg.norm(self.of(state), axis=1))])
+
+
+@once_of_layout
+def _ends_of_pairs(problem: Problem) -> tuple[tuple[Integers, Integers], tuple[Integers, Integers]]:
+    """Return nodes and links of the first and the second of all neighbouring nodes of elements."""
+    first, then = (
+        (
+            np.concatenate([e.nodes[:, side].ravel() for e in problem.sets]),
+            np.concatenate([e.links[:, side].ravel() for e in problem.sets]),
+        )
+        for side in (slice(None, -1), slice(1, None))
+    )
+    return first, then
