@@ -1,5 +1,6 @@
 """One outcome for one version of the code: the same random examples each time, and nothing skipped where CI runs."""
 
+import gc
 import os
 
 import pytest
@@ -16,6 +17,11 @@ settings.register_profile("same", derandomize=True, **ANY_SPEED)
 settings.register_profile("search", print_blob=True, **ANY_SPEED)
 settings.register_profile("fuzz", print_blob=True, max_examples=10_000, **ANY_SPEED)
 settings.load_profile("same")
+
+
+def pytest_collection_finish():
+    """Let the search for garbage leave out what was imported and collected: it is large, and it stays."""
+    gc.freeze()
 
 
 @pytest.hookimpl(wrapper=True)

@@ -58,7 +58,7 @@ def test_undamaged_cases_load_and_come_back():
 
 @pytest.mark.parametrize("name", CASES)
 @given(data=st.data())
-@settings(max_examples=80, suppress_health_check=RELAXED)
+@settings(max_examples=48, suppress_health_check=RELAXED)
 def test_damaged_content(name, data, tmp_path):
     case = copy.deepcopy(CASES[name])
     for _ in range(data.draw(st.integers(1, 3))):
@@ -73,7 +73,7 @@ def test_damaged_content(name, data, tmp_path):
 
 @pytest.mark.parametrize("name", CASES)
 @given(data=st.data())
-@settings(max_examples=40, suppress_health_check=RELAXED)
+@settings(max_examples=24, suppress_health_check=RELAXED)
 def test_damaged_text(name, data, tmp_path):
     text = TEXTS[name]
     for _ in range(data.draw(st.integers(1, 3))):
