@@ -769,3 +769,31 @@ def _exudyn_cantilever(exudyn):
         1.0 / (history[peaks[1], 0] - history[peaks[0], 0]),
         dropped,
     )
+
+
+@pytest.mark.parametrize("kind", vd.PROGRAMS.values(), ids=lambda kind: kind.program)
+def test_units_of_inputs_are_those_that_they_scale_by(kind):
+    """A section of lengths a times as long, masses b times as large, times c times as long: a number with the unit
+    N^i m^j s^k Pa^l is (b a/c^2)^i a^j c^k (b/a/c^2)^l times as large.
+    """
+    a, b, c = 2.0, 3.0, 5.0
+    sizes = {"N": b * a / c**2, "m": a, "s": c, "Pa": b / a / c**2, "rad": 1.0, "1": 1.0}
+
+    def made(length, mass, time):
+        stiff = 1e6 * mass / length / time**2
+        damping = vr.KelvinVoigt(0.02 * time, 0.03 * time)
+        material = vr.Material(stiff, 0.3, 1000.0 * mass / length**3, damping=damping)
+        data = data_of(vr.Rectangle(0.01 * length, 0.01 * length), material)
+        options = {"segment_length": 0.025 * length, "frequency": 0.57 / time}
+        mine = {key: value for key, value in options.items() if key in kind.options}
+        return kind.from_section(data, **mine).named_numbers
+
+    for (word, unit, before), (_, _, after) in zip(made(1, 1, 1), made(a, b, c), strict=True):
+        if before:
+            factor = 1.0
+            above, _, below = unit.replace("(1/2)", "0.5").partition("/")
+            for sign, part in ((1.0, above), (-1.0, below)):
+                for one in part.split():
+                    base, _, power = one.partition("^")
+                    factor *= sizes[base] ** (sign * float(power or 1))
+            assert after == pytest.approx(factor * before, rel=1e-9), word

@@ -234,6 +234,11 @@ def test_one_time_to_the_bound_of_cramer_and_rao_and_in_other_programs_numbers()
     stiffness = 1e6 * 0.01**4 / 12.0 / (0.3 / 20)  # E I over the length of a segment, times the time
     assert mujoco.value == pytest.approx(stiffness * fit[YOUNG].value / 1e6 * fit[BOTH].value, rel=1e-3)
     assert mujoco.low < mujoco.value < mujoco.high
+    assert mujoco.unit == "N m s/rad"
+    axial = fit.in_programs["MBDyn: viscosity, axial"]
+    assert axial.unit == "N s"
+    assert axial.value == pytest.approx(fit[YOUNG].value * 1e-4 * fit[BOTH].value, rel=1e-6)  # E A tau
+    assert "N m s/rad" in fit.report()
 
 
 def test_two_loads_at_once_with_a_release_time_of_their_own():

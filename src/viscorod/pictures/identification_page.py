@@ -85,7 +85,10 @@ def page_text(fit: Identification) -> str:
     if fit.foretold:
         parts += [f"<h2>{FORETOLD}</h2>", _table(*foretold_table(fit))]
     if fit.in_programs:
-        parts += ["<h2>The damping in the numbers of other programs</h2>", _numbers(fit.in_programs)]
+        parts += [
+            "<h2>The damping in the numbers of other programs</h2>",
+            _numbers(fit.in_programs, prefixes=False),
+        ]
     if fit.warnings:
         parts += ["<h2>Warnings</h2>", _list(fit.warnings)]
     parts += ["<h2>The case with these numbers</h2>"]
@@ -122,7 +125,8 @@ def _cell(text: str) -> str:
     return f"<td{kind}>{html.escape(text)}</td>"
 
 
-def _numbers(numbers: dict[str, Number]) -> str:
+def _numbers(numbers: dict[str, Number], *, prefixes: bool = True) -> str:
+    """Return a table; what is typed into other programs stays in SI, without prefixes."""
     by, units = (any(getattr(one, word) for one in numbers.values()) for word in ("how", "unit"))
     rows = [
         [
@@ -133,7 +137,7 @@ def _numbers(numbers: dict[str, Number]) -> str:
             *([one.how] if by else []),
         ]
         for name, number in numbers.items()
-        for one in [with_prefix(number)]
+        for one in [with_prefix(number) if prefixes else number]
     ]
     header = ["", "value", "low", "high", *(["unit"] if units else []), *(["interval by"] if by else [])]
     return _table(header, rows)

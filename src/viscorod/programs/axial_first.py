@@ -10,10 +10,15 @@ import numpy as np
 
 from viscorod.typing import Floats, Integers
 
-__all__ = ["AXIAL_FIRST", "from_axial_first", "to_axial_first"]
+__all__ = ["AXIAL_FIRST", "STRAINS", "VISCOSITIES", "from_axial_first", "to_axial_first"]
 
 AXIAL_FIRST = np.array([2, 0, 1, 5, 3, 4])
 """Places in viscorod's order (shear_1, shear_2, stretch, bend_1, bend_2, twist), in the order of the other."""
+
+STRAINS = ("axial", "shear y", "shear z", "torsion", "bending y", "bending z")
+"""In that order."""
+VISCOSITIES = ("N s", "N s", "N s", "N m^2 s", "N m^2 s", "N m^2 s")
+"""Units of their viscosities."""
 
 _BACK = np.argsort(AXIAL_FIRST)
 

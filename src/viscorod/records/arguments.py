@@ -59,7 +59,7 @@ def _listed(name: str, value: Any) -> Any:
 
 described = checked_with(
     place=text, name=text, quantity=word, of=word, unit=word, time_unit=word, frequency_unit=word, gaps=text, law=word,
-    title=text, rate=number, damping_as=word,
+    title=text, rate=number, window=word, window_time=number, excitation=word, damping_as=word,
     value=_columns, frequency=_column,
     time=_column, start=number, end=number, full_load=number, relative_noise=number,
     reference=number, temperature=number, density=number, poissons_ratio=number, vertical=flag, band=_span,

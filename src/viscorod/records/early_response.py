@@ -36,6 +36,9 @@ class EarlyResponse(ResponseRecord):
             record.values,
             output=record.output,
             source=record.source,
+            window=record.window,
+            window_time=record.window_time,
+            excitation=record.excitation,
             unknown=list(record.nuisances.values()),
             name=record.name,
         )

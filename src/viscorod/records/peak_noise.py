@@ -143,14 +143,13 @@ def _described(
     ratio = decay / frequency
     misfit = float(np.sqrt(2.0 * np.sum(np.abs(peak.levels[fit][1].left) ** 2) / peak.freedom))
     return Pole(
-        frequency, ratio, half[1] * peak.step, ratio * half[0], misfit, share, _alike(peak.levels[fit])
+        frequency, ratio, half[1] * peak.step, ratio * half[0], misfit, share, _alike(peak.levels[fit][1])
     )
 
 
-def _alike(level: tuple[float | None, LevelFit]) -> float:
+def _alike(fit: LevelFit) -> float:
     """Return how much alike neighbouring lines of what is left are, in deviations of white noise."""
-    size, fit = level
-    off = fit.left if size is None else fit.left / np.hypot(size, np.abs(fit.model))
+    off = fit.white
     products = float(np.sum((off[1:] * off[:-1].conj()).real))
     return (
         products / max(float(np.sum(np.abs(off) ** 2)), np.finfo(float).tiny) * float(np.sqrt(2 * len(off)))

@@ -16,9 +16,10 @@ from typing import TypeAlias
 import numpy as np
 from scipy.optimize import least_squares
 
+from viscorod.records.line_shapes import LineShape
 from viscorod.typing import Floats
 
-__all__ = ["LEAST", "LEVELS", "LevelFit", "Peak", "peak_fits", "rough_pole"]
+__all__ = ["LEAST", "LEVELS", "LevelFit", "Peak", "peak_fits", "rough_misfit", "rough_pole"]
 
 LEAST = 4
 """Lines on each side that take part at least."""
@@ -46,6 +47,7 @@ class LevelFit:
         step: of Gauss and Newton from there on.
         squares: of what is left, weighted, and likelihood: logarithm of the restricted one without them.
         model, left: the response that was fitted, and its distance from the measured one.
+        white: the same in deviations, without what a window makes alike.
     """
 
     theta: Floats
@@ -55,34 +57,39 @@ class LevelFit:
     likelihood: float
     model: np.ndarray
     left: np.ndarray
+    white: np.ndarray
 
 
 Levels: TypeAlias = list[tuple[float | None, LevelFit]]
 
 
 class _Form:
-    """residue/(i(x - c) + d), the same of neighbours, and a polynomial, over the distance x from the peak in lines."""
+    """A pole i(x - c) + d, those of neighbours, and a polynomial, over the distance x from the peak in lines."""
 
-    def __init__(self, x: Floats, y: np.ndarray, reach: int, beside: Floats) -> None:
-        self.x, self.y = x, y
+    def __init__(self, x: Floats, y: np.ndarray, reach: int, beside: Floats, line: LineShape) -> None:
+        self.x, self.y, self.line = x, y, line
         powers = (x / reach)[:, None] ** np.arange(DEGREE + 1)
-        self.others = np.hstack([1.0 / (1j * (x[:, None] - beside[:, 0]) + beside[:, 1]), powers])
+        self.others = np.hstack([line.of(1j * (x[:, None] - beside[:, 0]) + beside[:, 1]), powers])
         self.freedom = 2 * len(x) - 2 - 2 * (1 + self.others.shape[1])
 
     def basis(self, theta: Floats) -> np.ndarray:
-        return np.column_stack([1.0 / (1j * (self.x - theta[1]) + np.exp(theta[0])), self.others])
+        return np.column_stack([self.line.of(self._distance(theta)), self.others])
+
+    def _distance(self, theta: Floats) -> np.ndarray:
+        return np.asarray(1j * (self.x - theta[1]) + np.exp(theta[0]))
 
     def fitted(self, theta: Floats, deviation: Floats) -> tuple[np.ndarray, np.ndarray]:
         """Return the linear numbers that fit best, and the model."""
         columns = self.basis(theta)
-        numbers = np.linalg.lstsq(columns / deviation[:, None], self.y / deviation, rcond=None)[0]
+        whole = self.line.whitened(np.column_stack([columns, self.y]) / deviation[:, None])
+        numbers = np.linalg.lstsq(whole[:, :-1], whole[:, -1], rcond=None)[0]
         return numbers, columns @ numbers
 
     def search(self, start: Floats, deviation: Floats) -> Floats:
         """Return the place of the pole by weights 1/deviation^2."""
 
         def misfit(theta: Floats) -> Floats:
-            off = (self.fitted(theta, deviation)[1] - self.y) / deviation
+            off = self.line.whitened((self.fitted(theta, deviation)[1] - self.y) / deviation)
             return np.concatenate([off.real, off.imag])
 
         found: Floats = least_squares(misfit, start, x_scale=[0.3, 0.1], max_nfev=200).x
@@ -91,17 +98,16 @@ class _Form:
     def weighted(self, theta: Floats, deviation: Floats) -> LevelFit | None:
         """Return what a fit says; None where its numbers cannot be told apart."""
         numbers, model = self.fitted(theta, deviation)
-        columns = self.basis(theta)
-        pole = columns[:, 0]
-        by_theta = -numbers[0] * pole[:, None] ** 2 * np.array([np.exp(theta[0]), -1j])
+        by_theta = numbers[0] * self.line.slope(self._distance(theta))[:, None] * [np.exp(theta[0]), -1j]
+        left = model - self.y
+        whole = np.column_stack([by_theta, self.basis(theta), left]) / deviation[:, None]
+        whole = self.line.whitened(whole)
+        columns, white = whole[:, 2:-1], whole[:, -1]
         linear = np.vstack(
             [np.hstack([columns.real, -columns.imag]), np.hstack([columns.imag, columns.real])]
         )
-        whole = (
-            np.hstack([np.vstack([by_theta.real, by_theta.imag]), linear]) / np.tile(deviation, 2)[:, None]
-        )
-        left = model - self.y
-        off = np.concatenate([left.real, left.imag]) / np.tile(deviation, 2)
+        whole = np.hstack([np.vstack([whole[:, :2].real, whole[:, :2].imag]), linear])
+        off = np.concatenate([white.real, white.imag])
         # The pole's two columns come last, then what is left: the end of the triangle has their covariance and step.
         whole = np.column_stack([np.roll(whole, -2, axis=1), off])
         triangle = np.asarray(np.linalg.qr(whole, mode="r"))
@@ -110,9 +116,9 @@ class _Form:
             return None
         inverse = np.linalg.inv(triangle[-3:-1, -3:-1])
         likelihood = -2.0 * float(np.sum(np.log(deviation))) - float(np.sum(np.log(diagonal)))
-        squares = float(np.sum(np.abs(left / deviation) ** 2))
+        squares = float(np.sum(np.abs(white) ** 2))
         step = -inverse @ triangle[-3:-1, -1]
-        return LevelFit(theta, inverse @ inverse.T, step, squares, likelihood, model, left)
+        return LevelFit(theta, inverse @ inverse.T, step, squares, likelihood, model, left, white)
 
     def by_level(self, first: Floats) -> Levels:
         """Return the fits for all levels, with a/b in the units of the response."""
@@ -156,9 +162,11 @@ class Peak:
     levels: Levels
 
 
-def rough_pole(hertz: Floats, response: np.ndarray, k: int, reach: int) -> tuple[float, float] | None:
+def rough_pole(
+    hertz: Floats, response: np.ndarray, k: int, reach: int, line: LineShape
+) -> tuple[float, float] | None:
     """Return frequency [Hz] and damping ratio about a peak, all lines with one weight; None where there is no pole."""
-    found = _searched(hertz, response, k, reach)
+    found = _searched(hertz, response, k, reach, line)
     if found is None:
         return None
     step = float(hertz[1] - hertz[0])
@@ -166,11 +174,24 @@ def rough_pole(hertz: Floats, response: np.ndarray, k: int, reach: int) -> tuple
     return float(np.hypot(centre, decay)), decay / float(np.hypot(centre, decay))
 
 
+def rough_misfit(
+    hertz: Floats, response: np.ndarray, k: int, reach: int, line: LineShape
+) -> tuple[float, int] | None:
+    """Return the squares that such a fit leaves over those of the peak, and its degrees of freedom by two."""
+    found = _searched(hertz, response, k, reach, line)
+    if found is None:
+        return None
+    form, theta = found
+    left = form.fitted(theta, np.ones(len(form.x)))[1] - form.y
+    return max(float(np.sum(np.abs(left) ** 2)), np.finfo(float).eps), form.freedom // 2
+
+
 def peak_fits(
     hertz: Floats,
     response: np.ndarray,
     k: int,
     reach: int,
+    line: LineShape,
     noise: Floats | None = None,
     neighbours: Sequence[tuple[float, float]] = (),
 ) -> Peak | None:
@@ -178,11 +199,11 @@ def peak_fits(
 
     Args:
         hertz: evenly spaced lines, Hz (n,); response: complex (n,).
-        k: the line of the peak; reach: lines on each side.
+        k: the line of the peak; reach: lines on each side; line: what a pole looks like there.
         noise: standard deviations of the lines (n,), where they are known but for a factor.
         neighbours: frequencies [Hz] and damping ratios of other modes; those nearby have their own poles in the fit.
     """
-    found = _searched(hertz, response, k, reach, neighbours)
+    found = _searched(hertz, response, k, reach, line, neighbours)
     if found is None:
         return None
     form, theta = found
@@ -204,6 +225,7 @@ def _searched(
     response: np.ndarray,
     k: int,
     reach: int,
+    line: LineShape,
     neighbours: Sequence[tuple[float, float]] = (),
 ) -> tuple[_Form, Floats] | None:
     inside = np.arange(max(k - reach, 0), min(k + reach + 1, len(hertz)))
@@ -215,11 +237,11 @@ def _searched(
     ).reshape(-1, 2)
     beside = beside[np.abs(beside[:, 0]) < NEAR * reach]
     x, y = (hertz[inside] - hertz[k]) / step, response[inside] / np.abs(response[k])
-    form = _Form(x, y, reach, beside)
+    form = _Form(x, y, reach, beside, line)
     if form.freedom < 1:
         return None
     even = np.ones(len(inside))
     rates = (0.05 * max(1.0, 1e-3 * reach), 0.2 * reach)
     tries = [form.search(np.array([np.log(rate), shift]), even) for rate in rates for shift in (-0.3, 0.3)]
     best = min(tries, key=lambda theta: float(np.sum(np.abs(form.fitted(theta, even)[1] - form.y) ** 2)))
-    return (form, best) if abs(best[1]) < OFF + np.exp(best[0]) else None
+    return (form, best) if abs(best[1]) < OFF + line.widening + np.exp(best[0]) else None

@@ -20,8 +20,10 @@ from viscorod.errors import Fault, InputError
 from viscorod.one_thread import one_blas_thread
 from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
+from viscorod.records.line_shapes import LineShape, line_shape
 from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
 from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
+from viscorod.records.response_doubts import turns_backwards, window_doubts
 from viscorod.records.response_record import ResponseRecord
 from viscorod.results.modal_fit_result import ModalFit
 from viscorod.results.resonances import resonances_of
@@ -66,7 +68,8 @@ def modal_fit(
     Each response is fitted by itself about each peak; several are one weighted mean, whose interval is widened by
     Birge's ratio where they differ by more than their own intervals. The noise may have a constant part and one in
     proportion to the response, both as large as the lines show; of records that tell their noise, it is in proportion
-    to that. Half-power widths of less than two bins are refused.
+    to that. Windows that records tell are in the fit; of others there are doubts. A response whose circles turn as
+    those of exp(-i omega t) do is taken as its conjugate. Half-power widths of less than two bins are refused.
 
     Args:
         records: responses of one structure over the same frequencies.
@@ -98,11 +101,28 @@ def modal_fit(
                 f"record {one.name}: its values are real, and poles are in the phase: give complex values, or "
                 "magnitude and phase; a magnitude alone, or decibels, tell no pole"
             )
-    modes = _modes(hertz, listed, peaks)
-    if not any(modes):
+    lines = [line_shape(one.window, one.window_time, one.excitation, step) for one in listed]
+    turned = [turns_backwards(one, _seen(one, peaks), line) for one, line in zip(listed, lines, strict=True)]
+    listed = [one.conjugate() if turn else one for one, turn in zip(listed, turned, strict=True)]
+    modes = _modes(hertz, listed, lines, peaks)
+    if not peaks:
         raise InputError("no peak stands out of the response: give a band, or a response with finer bins")
-    untold = [float(hertz[k]) for (k, _), found in zip(peaks, modes, strict=True) if not found]
-    return _result(hertz, listed, [found for found in modes if found], untold, step, title)
+    if not any(modes):
+        places = ", ".join(f"{hertz[k]:.5g}" for k, _ in peaks)
+        raise InputError(
+            f"peaks stand at {places} Hz, and none has the shape of a mode whose ratio is told from zero: give the "
+            "window that was used, or a response with finer bins"
+        )
+    doubts = [
+        f"the circles of {one.name} turn the other way, as those of exp(-i omega t): its conjugate is taken"
+        for one, turn in zip(listed, turned, strict=True)
+        if turn
+    ] + [
+        f"a peak stands at {hertz[k]:.5g} Hz, whose ratio is not told from zero: it is left out"
+        for (k, _), found in zip(peaks, modes, strict=True)
+        if not found
+    ]
+    return _result(hertz, listed, [found for found in modes if found], doubts, step, title)
 
 
 def _peaks(
@@ -142,22 +162,23 @@ def _apart(size: Floats, found: list[int], k: int) -> list[int]:
     return [*found, k]
 
 
-def _modes(hertz: Floats, records: list[ResponseRecord], peaks: list[tuple[int, int]]) -> list[list[Pole]]:
+def _modes(
+    hertz: Floats, records: list[ResponseRecord], lines: list[LineShape], peaks: list[tuple[int, int]]
+) -> list[list[Pole]]:
     """Return for every peak the poles of the responses that show it."""
     fits: list[tuple[int, Peak]] = []
-    for one in records:
+    for one, line in zip(records, lines, strict=True):
         noise = None if one.noise is None else one.noise[: len(hertz)]
         rough: dict[int, tuple[float, float]] = {}
-        for place, (k, gap) in enumerate(peaks):
-            seen = max(int(WIDTHS * _lines_above(np.abs(one.values), k)), USUAL)
-            pole = rough_pole(hertz, one.values, k, min(seen, gap))
+        for place, (k, reach) in enumerate(_seen(one, peaks)):
+            pole = rough_pole(hertz, one.values, k, reach, line)
             if pole is not None:
                 rough[place] = pole
         for place, pole in rough.items():
             k, gap = peaks[place]
-            wide = int(WIDTHS * half_power_width(*pole) / (hertz[1] - hertz[0]))
+            wide = int(WIDTHS * (half_power_width(*pole) / (hertz[1] - hertz[0]) + 2.0 * line.widening))
             others = [other for at, other in rough.items() if at != place]
-            fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), noise, others)
+            fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), line, noise, others)
             if fit is not None:
                 fits.append((place, fit))
     poles = poles_of([fit for _, fit in fits])
@@ -166,6 +187,12 @@ def _modes(hertz: Floats, records: list[ResponseRecord], peaks: list[tuple[int, 
         if told is not None:
             found[place].append(told)
     return found
+
+
+def _seen(record: ResponseRecord, peaks: list[tuple[int, int]]) -> list[tuple[int, int]]:
+    """Return the places of peaks, and the lines on each side that a first fit of a response takes."""
+    size = np.abs(record.values)
+    return [(k, min(max(int(WIDTHS * _lines_above(size, k)), USUAL), gap)) for k, gap in peaks]
 
 
 def _lines_above(size: Floats, k: int) -> int:
@@ -191,16 +218,15 @@ def _result(
     hertz: Floats,
     records: list[ResponseRecord],
     modes: list[list[Pole]],
-    untold: list[float],
+    doubts: list[str],
     step: float,
     title: str,
 ) -> ModalFit:
     import xarray as xr
 
     half_power, rows = [], []
-    doubts = [
-        f"a peak stands at {one:.5g} Hz, whose ratio is not told from zero: it is left out" for one in untold
-    ]
+    windowed = all(one.window is not None for one in records)
+    told = all(one.window is not None or one.excitation != "blow" for one in records)
     for found in modes:
         ratios = np.array([one.ratio for one in found])
         frequency, frequency_width, _ = _together(
@@ -221,7 +247,8 @@ def _result(
                 "further apart than their intervals: the interval is widened accordingly"
             )
         width = half_power_width(frequency, ratio)
-        half_power.append(None if width < BINS * step else _half_power(hertz, records, frequency, width))
+        refused = windowed or width < BINS * step
+        half_power.append(None if refused else _half_power(hertz, records, frequency, width))
         worst = max(one.misfit for one in found)
         structured = max((one.misfit for one in found if one.alike > NO_NOISE), default=0.0)
         if STRUCTURED < structured <= 0.1:
@@ -236,12 +263,20 @@ def _result(
                 f"about {frequency:.5g} Hz one mode leaves {left} of the peak over: there are others"
             )
     narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * step]
-    if narrow:
+    if windowed:
+        doubts.append("half-power: refused; the window makes peaks wider than the modes are")
+    elif narrow:
         doubts.append(
             f"half-power: refused at {', '.join(f'{one:.4g}' for one in narrow)} Hz, where the width has less than "
             f"{BINS:g} bins of {step:.3g} Hz and would be that of the bins"
+            + (
+                ""
+                if told
+                else "; the ratios hold of a blow without a window, else give window and excitation"
+            )
         )
     columns = np.array(rows).reshape(-1, 4).T
+    doubts += window_doubts(records, columns[0], columns[2])
     responses = np.array([one.values for one in records])
     return ModalFit(
         xr.Dataset(
@@ -268,7 +303,7 @@ def _half_power(hertz: Floats, records: list[ResponseRecord], frequency: float, 
     """Return the ratio read off the half-power width, of the first record that shows it."""
     nothing = np.empty(0, dtype=complex)
     near = np.abs(hertz - frequency) < HALF_POWER_WITHIN * width
-    for one in records:
+    for one in (one for one in records if one.window is None):
         for peak in resonances_of(hertz[near], one.values[near], (nothing, nothing), ()):
             if abs(peak.frequency - frequency) < width and peak.half_power is not None:
                 return peak.half_power

@@ -22,6 +22,8 @@ LEAST_INCOHERENT = 1e-8
 """What a coherence that is written as 1 may lack."""
 SCATTER = 40.0
 """Degrees of freedom of a noise by coherences at least: with few averages, of several neighbouring lines together."""
+WINDOWS = ("exponential", "hann")
+EXCITATIONS = ("blow", "noise")
 DEGREE = float(np.pi / 180.0)
 
 
@@ -69,6 +71,43 @@ def _noise_of(where: str, size: Floats, coherence: Any, averages: int | None) ->
     return np.asarray(size * np.exp(0.5 * smooth))
 
 
+def _require_window(where: str, window: str | None, window_time: float | None, excitation: str) -> None:
+    """Raise `InputError` unless window, time constant and excitation go together."""
+    faults = []
+    if window not in (None, *WINDOWS):
+        faults.append(
+            Fault(
+                f"{where}: window",
+                repr(window),
+                "it is not known",
+                f"give {' or '.join(WINDOWS)}, or leave it out",
+            )
+        )
+    if excitation not in EXCITATIONS:
+        faults.append(
+            Fault(
+                f"{where}: excitation",
+                repr(excitation),
+                "it is not known",
+                f"give {' or '.join(EXCITATIONS)}",
+            )
+        )
+    elif window == "exponential" and excitation == "noise":
+        faults.append(
+            Fault(f"{where}: excitation", "noise", "an exponential window is one of a blow", "give blow")
+        )
+    if (window == "exponential") != (window_time is not None):
+        why = "an exponential window has a time constant" + ("" if window_time is None else ", and no other")
+        told = "" if window_time is None else f"{window_time:g}"
+        faults.append(Fault(f"{where}: window_time", told, why, "give window='exponential' and its time, s"))
+    elif window_time is not None and not window_time > 0.0:
+        faults.append(
+            Fault(f"{where}: window_time", f"{window_time:g}", "a time constant is positive", "give it in s")
+        )
+    if faults:
+        raise InputError(faults)
+
+
 class ResponseRecord(AnyRecord):
     """A frequency response that was measured: output over input, complex, exp(i omega t).
 
@@ -80,6 +119,11 @@ class ResponseRecord(AnyRecord):
         coherence: from 0 to 1 (n,), and averages: of how many records the response is the mean; together they tell the
             noise, ``|H| sqrt((1 - coherence)/(2 averages coherence))`` (J. S. Bendat and A. G. Piersol, Random Data,
             section 9.2.4). Of few averages it is the mean of neighbouring lines.
+        window: of the analyser, "exponential" or "hann"; None where there was none.
+        window_time: time constant of an exponential window, s: at the end of a record of length T where it is down to
+            the part p this is -T/ln p.
+        excitation: "blow", also of periodic signals and sines, after which the spectrum of the record is exact, or
+            "noise", of which lines are averages (H1).
         unknown: "gain", "delay" (s, by which the output comes late).
         name: of the record.
 
@@ -104,6 +148,9 @@ class ResponseRecord(AnyRecord):
         noise: Any = None,
         coherence: Any = None,
         averages: int | None = None,
+        window: str | None = None,
+        window_time: float | None = None,
+        excitation: str = "blow",
         unknown: Sequence[str | Unknown] = (),
         name: str = "response",
     ) -> None:
@@ -125,6 +172,8 @@ class ResponseRecord(AnyRecord):
                 Fault(f"{where}: frequencies", "", "a frequency is negative", "give the positive ones")
             )
         self.output, self.source = output, source
+        self.window, self.window_time, self.excitation = window, window_time, excitation
+        _require_window(where, window, window_time, excitation)
         if coherence is not None or averages is not None:
             if noise is not None:
                 raise InputError(
@@ -219,6 +268,21 @@ class ResponseRecord(AnyRecord):
         found: np.ndarray = self.observed[:count] + 1j * self.observed[count:]
         return found
 
+    def conjugate(self) -> ResponseRecord:
+        """Return the same response where it was given with exp(-i omega t)."""
+        return ResponseRecord(
+            self.frequencies,
+            self.values.conj(),
+            output=self.output,
+            source=self.source,
+            noise=None if self.noise is None else self.noise[: len(self.frequencies)],
+            window=self.window,
+            window_time=self.window_time,
+            excitation=self.excitation,
+            unknown=list(self.nuisances.values()),
+            name=self.name,
+        )
+
     def _over(self) -> str:
         return f" from {self.frequencies[0]:.6g} to {self.frequencies[-1]:.6g} Hz"
 
@@ -226,6 +290,15 @@ class ResponseRecord(AnyRecord):
     def predicted(self, result: Any, nuisances: Mapping[str, float] | None = None) -> Floats:
         """Return what a `FrequencyResponse` says (2 n,), straight lines between its frequencies; see `AnyRecord`."""
         self._needs(result, "response")
+        if self.window is not None:
+            raise InputError(
+                Fault(
+                    f"record {self.name}: window",
+                    self.window,
+                    "the response of a model has none, and its peaks are not as wide",
+                    "take its modes by viscorod.modal_fit, and fit viscorod.ModesRecord.of(them)",
+                )
+            )
         hertz = np.asarray(result.frequencies, dtype=float)
         mine = self.frequencies
         slack = 1e-9 * hertz[-1]

@@ -115,13 +115,14 @@ class Identification(StatelessResult):
 
     @property
     def in_programs(self) -> dict[str, Number]:
-        """The damping in the numbers of other programs, by program and number."""
+        """The damping in the numbers of other programs, by program and number, in SI as the programs take them."""
         how = self.doubt
         values, low, high = (self._values(f"program_{word}") for word in ("value", "low", "high"))
         names = self.words("program_numbers")
+        units = self.words("program_units") or [""] * len(names)
         return {
-            name: Number(name, float(value), float(below), float(above), how=how)
-            for name, value, below, above in zip(names, values, low, high, strict=True)
+            name: Number(name, float(value), float(below), float(above), how=how, unit=unit)
+            for name, unit, value, below, above in zip(names, units, values, low, high, strict=True)
         }
 
     @property

@@ -60,10 +60,11 @@ def identification_report(fit: Identification) -> str:
         header, rows = foretold_table(fit)
         blocks.append(table(FORETOLD, header, rows))
     if fit.in_programs:
-        rows = [[name, f"{one.value:.5g}", *limits_text(one)] for name, one in fit.in_programs.items()]
-        blocks.append(
-            table(f"The damping in the numbers of other programs{worth}", ["", "value", "low", "high"], rows)
-        )
+        rows = [
+            [name, f"{one.value:.5g}", *limits_text(one), one.unit] for name, one in fit.in_programs.items()
+        ]
+        header = ["", "value", "low", "high", "unit"]
+        blocks.append(table(f"The damping in the numbers of other programs{worth}", header, rows))
     if fit.warnings:
         blocks.append(listed("Warnings", fit.warnings))
     return page(blocks)

@@ -63,6 +63,7 @@ def fit_dataset(
         "laws": json.dumps(compared.words if compared is not None else []),
         "foretold": json.dumps([[one.law, one.record] for one in told_of]),
         "program_numbers": json.dumps([one.name for one in programs]),
+        "program_units": json.dumps([one.unit for one in programs]),
     }
     return xr.Dataset(variables, attrs={**attrs, **words, "kind": Identification.kind})
 
@@ -105,7 +106,7 @@ def _of_values(found: Fitted) -> dict[str, Any]:
     best = found.estimate
     deviation, number, place = (np.zeros(len(best.measured)) for _ in range(3))
     for k, (series, noise) in enumerate(zip(best.noise.series, best.noise.found, strict=True)):
-        deviation[series.rows] = noise.factor * series.noise
+        deviation[series.rows] = noise.deviations(series)
         number[series.rows] = k
     begin = 0
     for at, _ in _places(found):

@@ -41,10 +41,12 @@ def in_programs(
     notes: list[str] = []
     parts = KnownParts()
 
+    units: dict[str, str] = {}
+
     def numbers(at: Floats) -> dict[str, float]:
         values = unknowns.values(at)
         changed = case_with(case, {unknowns[k].name: float(values[k]) for k in mine}, parts)
-        return _numbers(changed, frequencies, notes)
+        return _numbers(changed, frequencies, notes, units)
 
     centre = numbers(z)
     told_in = list(dict.fromkeys(notes))
@@ -58,7 +60,7 @@ def in_programs(
     for name, value in centre.items():
         gradient = slopes[name]
         if np.linalg.norm(gradient) <= ROUND_OFF * abs(value):  # nothing sought acts on it
-            out.append(Combination(name, "", value, value, value, tuple(np.zeros(len(z)).tolist())))
+            out.append(Combination(name, units[name], value, value, value, tuple(np.zeros(len(z)).tolist())))
             continue
         if not known.told(gradient):
             unknown.append(name)
@@ -67,7 +69,7 @@ def in_programs(
         low, high = value - reach, value + reach
         if value > 0.0:  # as the numbers that it follows from, by its logarithm: damping is none below zero
             low, high = value * np.exp(-reach / value), value * np.exp(reach / value)
-        out.append(Combination(name, "", value, float(low), float(high), tuple(gradient.tolist())))
+        out.append(Combination(name, units[name], value, float(low), float(high), tuple(gradient.tolist())))
     if unknown:
         told_in.append(
             f"The data do not tell these inputs of other programs: {_by_program(unknown, centre)}."
@@ -88,7 +90,10 @@ def _by_program(names: Sequence[str], everything: Mapping[str, float]) -> str:
     )
 
 
-def _numbers(case: Case, frequencies: Sequence[float], notes: list[str]) -> dict[str, float]:
+def _numbers(
+    case: Case, frequencies: Sequence[float], notes: list[str], units: dict[str, str]
+) -> dict[str, float]:
+    """Return the inputs by program and word; what was done for them goes to the notes, their units to the units."""
     name, rod = next(iter(case.description.rods.items()))
     hertz = frequencies[0] if frequencies else None
     if isinstance(rod.material, Material) and rod.material.branches:
@@ -125,6 +130,7 @@ def _numbers(case: Case, frequencies: Sequence[float], notes: list[str]) -> dict
         except InputError:
             continue
         about = f" ({SEGMENTS} segments)" if "segment_length" in given else ""
-        for word, value in zip(inputs.words, inputs.numbers, strict=False):
+        for word, unit, value in inputs.named_numbers:
             found[f"{program.title}{about}: {word}"] = float(value)
+            units[f"{program.title}{about}: {word}"] = unit
     return found

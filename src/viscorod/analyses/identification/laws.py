@@ -101,12 +101,13 @@ class _One:
     def likelihood(self) -> float:
         """What is least for the best: the sum of n log of the mean square of every series."""
         best = self.found.estimate
-        return sum(
-            one.count
-            * float(np.log(max(float(np.mean((best.residuals[one.rows] / one.noise) ** 2)), 1e-300)))
-            for one in best.noise.series
-            if not one.certain
-        )
+        found = 0.0
+        for one, noise in zip(best.noise.series, best.noise.found, strict=True):
+            if not one.certain:
+                size = noise.deviations(one) / noise.factor
+                square = max(float(np.mean((best.residuals[one.rows] / size) ** 2)), 1e-300)
+                found += one.count * float(np.log(square)) + 2.0 * float(np.sum(np.log(size / one.noise)))
+        return found
 
 
 def moved_numbers(
@@ -310,14 +311,14 @@ def _frequencies(pairs: Pairs, left_out: Pairs = ()) -> Frequencies:
 
 def _noise(found: Fitted) -> Noise:
     best = found.estimate
-    return noise_of(best.noise.series, best.residuals, best.slopes, best.noise)
+    return noise_of(best.noise.series, best.residuals, best.slopes, best.noise, predicted=best.predicted)
 
 
 def _square(noise: Noise, found: Fitted) -> float:
     residual = found.estimate.residuals
     return float(
         sum(
-            np.sum((residual[series.rows] / (one.factor * series.noise)) ** 2)
+            np.sum((residual[series.rows] / one.deviations(series)) ** 2)
             for series, one in zip(noise.series, noise.found, strict=True)
         )
     )

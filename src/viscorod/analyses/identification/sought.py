@@ -12,6 +12,8 @@ from viscorod.analyses.identification.case_numbers import number_at, where_to_lo
 from viscorod.analyses.identification.members import Member, earliest_release
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.records.moduli_record import ModuliRecord
+from viscorod.records.response_record import ResponseRecord
 from viscorod.solve.estimation.noise import Series
 from viscorod.solve.estimation.unknowns import Unknown, Unknowns
 from viscorod.typing import Floats
@@ -142,7 +144,10 @@ def series_of(
                 )
                 rows = slice(begin + part.start, begin + part.stop)
                 size = np.asarray(noise, dtype=float)
-                series.append(Series(label, rows, regular, size, told, group=group, curves=curves))
+                halves = isinstance(record, ResponseRecord | ModuliRecord)
+                series.append(
+                    Series(label, rows, regular, size, told, group=group, curves=curves, halves=halves)
+                )
             measured.append(observed)
             begin += len(observed)
     for number, value, deviation in beliefs:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import Annotated, Any
 
 import typer
 
+from viscorod.cli.completion import words
 from viscorod.cli.files import picture_at
-from viscorod.cli.options import output_option, pair_of
+from viscorod.cli.options import OptionalNumber, output_option, pair_of
 from viscorod.cli.terminal import readable_errors, told
-
-if TYPE_CHECKING:
-    from viscorod.records.response_record import ResponseRecord
 
 __all__ = ["modes"]
 
@@ -46,34 +44,54 @@ def modes(
     band: Annotated[
         str | None, typer.Option(metavar="LOW,HIGH", help="Frequencies of the peaks, Hz [default: all]")
     ] = None,
+    window: Annotated[
+        str | None,
+        typer.Option(
+            help="Of the analyser: exponential (with --window-time) or hann.",
+            show_default=False,
+            autocompletion=words("exponential", "hann"),
+        ),
+    ] = None,
+    window_time: Annotated[
+        OptionalNumber,
+        typer.Option("--window-time", help="Time constant of an exponential window, s.", show_default=False),
+    ] = None,
+    excitation: Annotated[
+        str,
+        typer.Option(
+            help="blow (or periodic, or sines), or noise (H1 of a mean).",
+            autocompletion=words("blow", "noise"),
+        ),
+    ] = "blow",
     output: Annotated[
         Path | None, output_option("DIR", "Write modes.nc and modes.png there [default: print only]")
     ] = None,
 ) -> None:
     """Print frequencies and damping ratios that responses show, with 95 % intervals, and what is doubtful."""
     with readable_errors():
+        from viscorod.cli.damping_commands.decay_command import column
         from viscorod.records.pole_fit import modal_fit
+        from viscorod.records.response_record import ResponseRecord
 
-        records = [_record(file, one, frequency, unit, frequency_unit) for one in value]
+        told_of_it: dict[str, Any] = {
+            "frequency": column(frequency),
+            "unit": unit,
+            "frequency_unit": frequency_unit,
+            "excitation": excitation,
+        }
+        if window is not None:
+            told_of_it["window"] = window
+        if window_time is not None:
+            told_of_it["window_time"] = window_time
+        records = [
+            ResponseRecord.read(
+                file, [column(part.strip()) for part in one.split(",")], name=one, **told_of_it
+            )
+            for one in value
+        ]
         limits = None if band is None else pair_of("--band", band)
         found = modal_fit(records, band=limits, title=file.name)
         if output is None:
             told(found)
             return
         told(found, [found.save(output / "modes.nc"), picture_at(found.plot, output / "modes.png")])
-
-
-def _record(
-    file: Path, value: str, frequency: str, unit: str | None, frequency_unit: str | None
-) -> ResponseRecord:
-    from viscorod.cli.damping_commands.decay_command import column
-    from viscorod.records.response_record import ResponseRecord
-
-    return ResponseRecord.read(
-        file,
-        [column(part.strip()) for part in value.split(",")],
-        frequency=column(frequency),
-        unit=unit,
-        frequency_unit=frequency_unit,
-        name=value,
-    )

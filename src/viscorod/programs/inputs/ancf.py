@@ -40,6 +40,7 @@ class ANCF(ProgramInputs):
     title = "ANCF"
     meaning = "S = lambda tr(E) I + 2 mu E + lambda_v tr(E_t) I + 2 mu_v E_t at every point of the solid"
     words = ("gamma_v1", "gamma_v2")
+    units = ("s", "s")
     sources = (
         "J. Linn, H. Lang, A. Tuganov, section 2.6, on the damping of A. M. Abdel-Nasser and A. A. Shabana; their "
         "paper itself was not read",

@@ -8,7 +8,7 @@ from typing import Self
 
 import numpy as np
 
-from viscorod.programs.axial_first import from_axial_first, to_axial_first
+from viscorod.programs.axial_first import VISCOSITIES, from_axial_first, to_axial_first
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
 from viscorod.programs.times import symmetric_damping
 from viscorod.typing import Floats
@@ -32,6 +32,7 @@ class ChronoRayleigh(ProgramInputs):
     title = "Chrono, Rayleigh beta"
     meaning = "(n, m) = beta E6x6 (strain rates): one time for all six strains"
     words = ("beta",)
+    units = ("s",)
     sources = (
         f"{_COSSERAT}, ChDampingCosseratRayleigh::ComputeStress",
         "projectchrono/chrono: src/chrono/fea/ChBeamSectionEuler.h (default beta 0.01)",
@@ -73,6 +74,7 @@ class ChronoLinear(ProgramInputs):
     title = "Chrono, linear Cosserat damping"
     meaning = "n = R_e e_t, m = R_k k_t, component by component: a diagonal damping matrix"
     words = ("R_e.x", "R_e.y", "R_e.z", "R_k.x", "R_k.y", "R_k.z")
+    units = VISCOSITIES
     sources = (f"{_COSSERAT}, ChDampingCosseratLinear::ComputeStress",)
     notes = ("older versions name the vector ChVector<> instead of ChVector3d",)
 
@@ -119,6 +121,7 @@ class ChronoTapered(ProgramInputs):
     title = "Chrono, tapered Timoshenko beam"
     meaning = "R = b^T K b with b = diag(bx, by, bz, bt, bz, by): the coefficients enter squared"
     words = ("bx", "by", "bz", "bt")
+    units = ("s^(1/2)",) * 4
     sources = (
         "projectchrono/chrono: src/chrono/fea/ChElementBeamTaperedTimoshenko.cpp, ComputeDampingMatrix",
         "projectchrono/chrono: src/chrono/fea/ChElementBeamTaperedTimoshenkoFPM.cpp, ComputeDampingMatrix",

@@ -9,7 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from viscorod.programs.axial_first import from_axial_first, to_axial_first
+from viscorod.programs.axial_first import STRAINS, VISCOSITIES, from_axial_first, to_axial_first
 from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
     SectionData,
@@ -75,6 +75,7 @@ class MBDyn(DampingMatrix):
     title = "MBDyn"
     meaning = "F = S eps + S' eps_t with any 6x6 S' (or S' = factor S, `proportional`)"
     words = ("factor, or 6, 21 or 36 entries of the viscosity",)
+    units = VISCOSITIES
     sources = (
         "alex-marinov/mbdyn: mbdyn/base/constltp_impl.cc, LinearViscoElasticGenericCLR",
         "alex-marinov/mbdyn: manual/input/beam.tex, Beam Elements (order of the six components)",
@@ -96,6 +97,14 @@ class MBDyn(DampingMatrix):
     def matrix(self) -> Rows:
         """The viscosity."""
         return self.viscosity
+
+    @property
+    def named_numbers(self) -> tuple[tuple[str, str, float], ...]:
+        """The diagonal of the viscosity, by strain."""
+        return tuple(
+            (f"viscosity, {strain}", unit, value)
+            for strain, unit, value in zip(STRAINS, self.units, self.numbers, strict=True)
+        )
 
     def text(self) -> str:
         """Return the law of one evaluation point, as it is pasted into a beam2 or beam3 element."""
@@ -120,6 +129,7 @@ class Exudyn(DampingMatrix):
     title = "Exudyn"
     meaning = "(n, m) = D (eps_t, kappa_t) with the 6x6 dampingMatrix D; a cable has bending and axial only"
     words = ("D_axial", "D_shear_y", "D_shear_z", "D_torsion", "D_bend_y", "D_bend_z")
+    units = VISCOSITIES
     sources = (
         "jgerstmayr/EXUDYN: docs/RST/structures/PyStructuralElementsDataStructures.rst, PyBeamSection",
         "jgerstmayr/EXUDYN: main/src/Objects/CObjectBeamGeometricallyExact.cpp; the package exudyn 1.13.6, run",

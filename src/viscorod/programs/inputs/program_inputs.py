@@ -108,6 +108,8 @@ class ProgramInputs(ABC):
     """Its damping law in a sentence."""
     words: ClassVar[tuple[str, ...]]
     """What its numbers are, in their order."""
+    units: ClassVar[tuple[str, ...]] = ()
+    """Of these numbers."""
     options: ClassVar[tuple[str, ...]] = ()
     """Further keywords of `from_section` and `from_numbers`."""
     missing: ClassVar[tuple[int, ...]] = ()
@@ -158,6 +160,12 @@ class ProgramInputs(ABC):
         """The program's numbers, in the order of `words`: the first field, or one field each."""
         first, *others = astuple(self)
         return first if isinstance(first, tuple) else (first, *others)[: len(self.words)]
+
+    @property
+    def named_numbers(self) -> tuple[tuple[str, str, float], ...]:
+        """The program's numbers with their words and units."""
+        units = self.units or ("",) * len(self.words)
+        return tuple(zip(self.words, units, self.numbers, strict=True))
 
     @abstractmethod
     def law(self, stiffness: Floats) -> Floats:

@@ -36,6 +36,7 @@ class PyElastica(ProgramInputs):
     title = "PyElastica"
     meaning = "velocities decay as exp(-constant t), whatever the strains do: damping by the mass"
     words = ("uniform_damping_constant",)
+    units = ("1/s",)
     options = ("frequency",)
     sources = (
         "GazzolaLab/PyElastica: elastica/dissipation.py, AnalyticalLinearDamper (package pyelastica 1.0.0)",

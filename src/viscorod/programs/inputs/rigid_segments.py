@@ -34,6 +34,7 @@ class MuJoCo(ProgramInputs):
     title = "MuJoCo cable"
     meaning = "joint torque = -damping times relative angular velocity, the same about all three axes"
     words = ("damping",)
+    units = ("N m s/rad",)
     options = ("segment_length",)
     missing = (0, 1, 2)
     sources = (
@@ -103,6 +104,7 @@ class Newton(ProgramInputs):
     title = "Newton rod"
     meaning = "joint force = -damping times rate of the joint's displacement or relative rotation"
     words = ("stretch_damping", "shear_damping", "bend_damping", "twist_damping")
+    units = ("N s/m", "N s/m", "N m s/rad", "N m s/rad")
     options = ("segment_length",)
     sources = (
         "newton-physics/newton: newton/_src/sim/builder.py, add_rod and add_joint_rod (package newton 1.8.0)",

@@ -35,6 +35,7 @@ class SoRoSim(ProgramInputs):
     title = "SoRoSim"
     meaning = "damping matrix Eta diag(Ix, 3 Iy, 3 Iz, 3 A, A, A): extension has 3 Eta, as for nu = 1/2"
     words = ("Eta",)
+    units = ("Pa s",)
     sources = (
         "Ikhlas-Ben-Hmida/SoRoSim: SoRoSim Live/SorosimTwist files/MEG.m (Ix = Iy + Iz)",
         "SoRoSim/SoRoSim: Differentiable_SoRoSim/SorosimLink_files/SorosimLink.m (Eta, Pa s)",

@@ -27,6 +27,7 @@ class StiffnessProduct(ProgramInputs):
     mu: tuple[float, ...]
 
     words = ("mu1", "mu2", "mu3", "mu4", "mu5", "mu6")
+    units = ("s",) * 6
     axial_first: ClassVar[bool]
     """Whether the program's order is axial first, or viscorod's."""
 

@@ -218,7 +218,9 @@ def _weighted(
     noise, far = _first_noise(series), (0.0, 0.0)
     predicted, slopes = scaled.values(z), scaled.jacobian(z)
     for _ in range(ROUNDS):
-        noise = noise_of(series, measured - predicted, slopes, noise, coloured=coloured, robust=robust)
+        noise = noise_of(
+            series, measured - predicted, slopes, noise, predicted=predicted, coloured=coloured, robust=robust
+        )
         white = noise.whitened(slopes)
         step = _bounded_step(unknowns, z, white, noise.whitened(measured - predicted))
         far = _size(white, step)

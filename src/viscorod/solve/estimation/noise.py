@@ -21,6 +21,7 @@ from viscorod.solve.estimation.autoregression import (
     terms_of,
     whitened_by,
 )
+from viscorod.solve.estimation.proportional_noise import proportional_shape
 from viscorod.typing import Floats
 
 __all__ = [
@@ -63,6 +64,8 @@ class Series:
         group: short series of one group share their noise level.
         curves: of values that are not regular in time: of how many curves of equal length they are the points one after
             another, over frequency or load; 0 where neighbours have nothing to do with each other.
+        halves: whether they are the two parts of complex numbers, one after another, to whose size noise that was not
+            told may be in proportion.
     """
 
     label: str
@@ -73,6 +76,7 @@ class Series:
     certain: bool = False
     group: str = ""
     curves: int = 0
+    halves: bool = False
 
     @property
     def count(self) -> int:
@@ -85,11 +89,12 @@ class SeriesNoise:
     """The noise of one series.
 
     Attributes:
-        factor: its standard deviation over ``Series.noise``.
+        factor: its standard deviation over ``Series.noise``, the median if it is not the same for all rows.
         partials: partial autocorrelations of the residuals, none where they are white.
         doubt: covariance of their areas tangens.
         weights: of the rows in a robust fit; 1 of others.
         used: numbers that were fitted to the series.
+        shape: standard deviations of the rows over their median, where a part is in proportion to the values.
     """
 
     factor: float
@@ -97,6 +102,12 @@ class SeriesNoise:
     doubt: Floats = field(default_factory=lambda: np.zeros((0, 0)))
     weights: Floats | None = None
     used: float = 0.0
+    shape: Floats | None = None
+
+    def deviations(self, series: Series) -> Floats:
+        """Return the standard deviations of the rows of the series ``(n,)``."""
+        found = self.factor * series.noise
+        return found if self.shape is None else found * self.shape
 
     @property
     def terms(self) -> Floats:
@@ -140,7 +151,7 @@ class Noise:
         """Return residuals ``(n,)`` or derivatives ``(n, p)`` in units of independent noise of size one."""
         out = np.array(values, dtype=float)
         for series, noise in zip(self.series, self.found, strict=True):
-            scale = noise.factor * series.noise
+            scale = noise.deviations(series)
             part = (out[series.rows].T / scale).T
             if noise.weights is not None:
                 part = (part.T * np.sqrt(noise.weights)).T
@@ -172,6 +183,7 @@ def noise_of(
     slopes: Floats,
     before: Noise | None = None,
     *,
+    predicted: Floats | None = None,
     coloured: bool = True,
     robust: bool = False,
 ) -> Noise:
@@ -184,12 +196,13 @@ def noise_of(
         series: the series of the residuals.
         residuals: ``(n,)``; slopes: derivatives of the predictions by the unknowns ``(n, p)``.
         before: noise by which the values were weighted; as it was told, if not given.
+        predicted: values ``(n,)``, to which noise may be in proportion; constant, if not given.
         coloured: whether regular series may have an autocorrelation.
         robust: whether large residuals count less.
     """
     now = before or Noise(tuple(series), tuple(SeriesNoise(1.0) for _ in series))
     for _ in range(PASSES):
-        found = _once(series, residuals, slopes, now, coloured=coloured, robust=robust)
+        found = _once(series, residuals, slopes, now, predicted, coloured=coloured, robust=robust)
         now = Noise(tuple(series), found)
         if sum(len(one.partials) > 0 for one in found) == 0 or len(series) == 1:
             break
@@ -201,6 +214,7 @@ def _once(
     residuals: Floats,
     slopes: Floats,
     before: Noise,
+    predicted: Floats | None,
     *,
     coloured: bool,
     robust: bool,
@@ -208,16 +222,25 @@ def _once(
     """Return the noise of every series, weighted beside the others as before."""
     white = before.whitened(slopes)
     used = leverage(white)
+    shapes = [_shape(one, residuals, predicted, slopes) for one in series]
+    levels = [
+        one.noise if shape is None else one.noise * shape for one, shape in zip(series, shapes, strict=True)
+    ]
     found = []
     for number, one in enumerate(series):
-        part = residuals[one.rows] / one.noise
+        part = residuals[one.rows] / levels[number]
         taken = float(used[one.rows].sum())
         if one.certain:
             found.append(SeriesNoise(1.0, used=taken))
             continue
         if one.count < LEAST_OWN:
-            alike = [o for o in series if o.count < LEAST_OWN and (o.group, o.told) == (one.group, one.told)]
-            found.append(SeriesNoise(_shared(alike, residuals, used, told=one.told), used=taken))
+            alike = [
+                (o, level)
+                for o, level in zip(series, levels, strict=True)
+                if o.count < LEAST_OWN and (o.group, o.told) == (one.group, one.told)
+            ]
+            factor = _shared(alike, residuals, used, told=one.told)
+            found.append(SeriesNoise(factor, used=taken, shape=shapes[number]))
             continue
         weights = None
         free = max(one.count - taken, 1.0)
@@ -227,11 +250,20 @@ def _once(
             factor = size
         else:
             factor = float(np.sqrt(part @ part / free))
-        noise = SeriesNoise(factor or 1e-300, weights=weights, used=taken)
+        noise = SeriesNoise(factor or 1e-300, weights=weights, used=taken, shape=shapes[number])
         if coloured and one.regular:
             noise = _coloured(one, noise, part, slopes, white, before.found[number].factor, free)
         found.append(noise)
     return tuple(found)
+
+
+def _shape(series: Series, residuals: Floats, predicted: Floats | None, slopes: Floats) -> Floats | None:
+    """Return the deviations of a series' noise over their median, where a part of it is in proportion to the values."""
+    if predicted is None or series.told or not series.halves:
+        return None
+    size = np.tile(np.hypot(*predicted[series.rows].reshape(2, -1)), 2)
+    own = slopes[series.rows]
+    return proportional_shape(residuals[series.rows], size, own @ _mixing(own))
 
 
 def _coloured(
@@ -278,10 +310,10 @@ def _mixing(white: Floats) -> Floats:
     return np.asarray((right[kept] / values[kept, None]).T / size[:, None])
 
 
-def _shared(series: Sequence[Series], residuals: Floats, used: Floats, *, told: bool) -> float:
-    """Return the common level of short series, over their noise; 1 of noise that was told, unless it is larger."""
-    square = sum(float(np.sum((residuals[one.rows] / one.noise) ** 2)) for one in series)
-    free = sum(one.count - float(used[one.rows].sum()) for one in series)
+def _shared(series: Sequence[tuple[Series, Floats]], residuals: Floats, used: Floats, *, told: bool) -> float:
+    """Return the common level of short series, over theirs; 1 of noise that was told, unless it is larger."""
+    square = sum(float(np.sum((residuals[one.rows] / level) ** 2)) for one, level in series)
+    free = sum(one.count - float(used[one.rows].sum()) for one, _ in series)
     if free <= 0.5 or square <= 0.0 or (told and float(stats.chi2.sf(square, free)) > LARGER):
         return 1.0
     return float(np.sqrt(square / free))
