@@ -12,7 +12,6 @@ from typing import Any, TypeAlias
 
 import numpy as np
 
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.progress import counting
 from viscorod.analyses.sweeps.before_computing import checked, require_sendable, units_of
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
@@ -28,6 +27,7 @@ from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import show
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.files.sweep_folder import SweepFolder
 from viscorod.results.quantities import Quantities, quantities_of
 from viscorod.results.sweep_members import NOT_KEPT, Found, FoundMembers, Rows, SweepMembers

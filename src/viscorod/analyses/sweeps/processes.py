@@ -17,10 +17,10 @@ from contextlib import suppress
 from multiprocessing.connection import wait
 from typing import Any, TypeAlias
 
-from viscorod.analyses.one_thread import one_blas_thread
 from viscorod.analyses.sweeps.process_start import context as processes
 from viscorod.analyses.sweeps.process_start import one_thread_each
 from viscorod.errors import InputError
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.sweep_members import NOT_RUN, Found
 
 __all__ = ["FAILED", "TRIES", "UNTOUCHED", "Died", "Work", "in_parallel"]
