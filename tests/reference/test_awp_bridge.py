@@ -40,7 +40,7 @@ def bridge(eta, ratio, elements=4):
 
 def motion(name, eta, ratio, elements=4, tolerance=3e-6):
     model = bridge(eta, ratio, elements)
-    given = {"formulation": "intrinsic", "tolerance": tolerance, "output_interval": 0.25}
+    given = {"formulation": "intrinsic", "tolerance": tolerance, "output_interval": 0.25, "errors": False}
     return model.simulate(1.5, **given, **MODELS[name])
 
 

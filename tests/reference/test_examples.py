@@ -2,6 +2,7 @@
 
 import importlib
 import re
+import shutil
 import sys
 import warnings
 from pathlib import Path
@@ -50,6 +51,15 @@ def results():
     return result
 
 
+@pytest.fixture(scope="module")
+def saved(results, tmp_path_factory):
+    """The folder with the results that pages about results start from."""
+    folder = tmp_path_factory.mktemp("saved")
+    for name in ("cantilever_swing", "soft_arm"):
+        results(name).save(folder / "out" / name / "run.nc")
+    return folder / "out"
+
+
 def test_page_of_the_soft_arm_is_as_large_as_the_document_says(results, tmp_path):
     said = re.search(
         r"run\.html \(([\d.]+) MB\)", (ROOT / "docs" / "howto" / "view.md").read_text(encoding="utf-8")
@@ -61,11 +71,10 @@ def test_page_of_the_soft_arm_is_as_large_as_the_document_says(results, tmp_path
 @pytest.mark.parametrize(
     "page", [page for page in PAGES if blocks(page, "python")], ids=lambda page: page.stem
 )
-def test_python_in_documents_runs(page, results, tmp_path, monkeypatch):
+def test_python_in_documents_runs(page, saved, tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     write_tables(page, tmp_path)
-    for name in ("cantilever_swing", "soft_arm"):  # what the pages on results start from
-        results(name).save(f"out/{name}/run.nc")
+    shutil.copytree(saved, tmp_path / "out")
     (tmp_path / "cantilever_swing.toml").write_bytes(shipped_cases()["cantilever_swing"].read_bytes())
     if page.stem in MEASURED:
         write_files(tmp_path)

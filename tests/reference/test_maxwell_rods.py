@@ -223,7 +223,12 @@ def test_midpoint_accounts_for_every_joule():
 
 @pytest.mark.parametrize("integrator", ["radau", "generalized_alpha"])
 def test_other_integrators_converge_to_the_energy_of_the_midpoint_rule(integrator):
-    exact = swing(section()).simulate(0.5, integrator="midpoint", time_step=5e-4).data.branch_loss[-1].values
+    exact = (
+        swing(section())
+        .simulate(0.5, integrator="midpoint", time_step=5e-4, errors=False)
+        .data.branch_loss[-1]
+        .values
+    )
     errors = []
     for part in (1.0, 0.5):
         given = {"tolerance": 1e-4 * part**3} if integrator == "radau" else {"time_step": 4e-3 * part}
@@ -262,7 +267,9 @@ def test_fast_branches_become_kelvin_voigt():
 @pytest.mark.parametrize(("integrator", "order"), [("midpoint", 2.0), ("generalized_alpha", 2.0)])
 def test_order_in_time(integrator, order):
     given = section(damping=2e-3)  # the fastest waves do not ring
-    reference = swing(given).simulate(0.4, tolerance=1e-9, output_interval=0.4).data.position[-1, -1]
+    reference = (
+        swing(given).simulate(0.4, tolerance=1e-9, output_interval=0.4, errors=False).data.position[-1, -1]
+    )
     steps, errors = np.array([4e-3, 2e-3, 1e-3]), []
     for step in steps:
         run = swing(given).simulate(0.4, integrator=integrator, time_step=step)

@@ -1,6 +1,8 @@
 """Tables and files for ParaView, read back and compared with motions in closed form."""
 
 import csv
+import shutil
+from pathlib import Path
 
 import h5py
 import numpy as np
@@ -19,12 +21,18 @@ from viscorod.results.files import csv_text
 from viscorod.results.run import Run
 
 
+@pytest.fixture(scope="module")
+def saved(tmp_path_factory):
+    folder = tmp_path_factory.mktemp("saved")
+    Run(rigid(0.02)).save(folder / "run.nc")
+    Equilibrium(rolled_up()).save(folder / "arc.nc")
+    return folder
+
+
 @pytest.fixture
-def files(tmp_path):
+def files(saved, tmp_path):
     """A tumbling rod and an arc on disk."""
-    Run(rigid(0.02)).save(tmp_path / "run.nc")
-    Equilibrium(rolled_up()).save(tmp_path / "arc.nc")
-    return tmp_path
+    return Path(shutil.copytree(saved, tmp_path, dirs_exist_ok=True))
 
 
 def invoke(*arguments):

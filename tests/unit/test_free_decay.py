@@ -178,14 +178,14 @@ def test_what_is_wrong_with_a_record_is_told(name):
 def test_a_record_that_is_clipped_at_first_is_used_from_there_on():
     """Intervals hold the truth: of the whole record the ratio came out a fifth too small, with an interval of 6 %."""
     times, inside = np.arange(1200) * 0.01, []
-    for seed in range(12):
+    for seed in range(6):
         noise = np.random.default_rng(seed).normal(0.0, 1e-3, len(times))
         found = vr.decay(times, np.clip(sine(times, ratio=0.01) + noise, -0.6, 0.6))
         off = np.abs(found.damping_ratios[0] - 0.01)
         inside.append(off < found.data.damping_ratio_width.values[0])
         assert off < 2e-4
         assert any("is clipped until" in text for text in found.warnings)
-    assert sum(inside) >= 9  # of 12 intervals of 95 %; fewer have a probability of 0.0022
+    assert sum(inside) >= 4  # of 6 intervals of 95 %; fewer have a probability of 0.0022
 
 
 def test_a_clean_record_has_no_doubts():

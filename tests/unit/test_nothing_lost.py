@@ -470,7 +470,7 @@ def test_flipped_bits_of_the_states_are_noticed(tmp_path, journal):
     content, count = states.read_bytes(), contents(journal).sizes["time"]
     size = len(content) // count
     for place in [
-        *range(3 * size, 4 * size, size // 30),
+        *range(3 * size, 4 * size, size // 15),
         *range(4 * size - 12, 4 * size),
         *range(3 * size, 3 * size + 12),
     ]:
@@ -628,7 +628,7 @@ sys.path.insert(0, {tests!r})
 import viscorod as vr
 from helpers import stopped_runs as runs
 disk = Path({disk!r})
-for size in range(60_000, 300_000, 40_000):
+for size in range(60_000, 300_000, 60_000):
     filler = disk / "filler"
     filler.write_bytes(b"x" * ({room} - size))
     for name in ("run.nc", "again.nc"):

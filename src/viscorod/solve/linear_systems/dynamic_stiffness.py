@@ -53,8 +53,10 @@ class DynamicStiffness:
         self._width = int(np.abs(row - column).max(initial=0))
         self._narrow = self._width <= max(NARROW * len(place), THIN)
         if self._narrow:
-            self._parts = np.array([self._band(part, place) for part in scaled])
-            self._buffer = np.zeros(self._parts.shape[1:], dtype=complex, order="F")
+            bands = np.array([self._band(part, place) for part in scaled])
+            self._buffer = np.zeros(bands.shape[1:], dtype=complex, order="F")
+            # complex and in the order of the buffer: they are summed at every frequency
+            self._parts = bands.transpose(0, 2, 1).reshape(len(bands), -1).astype(complex)
             self._gbsv = get_lapack_funcs(("gbsv",), (self._buffer,))[0]
         else:
             self._sparse = aligned(scaled, pattern)
@@ -76,7 +78,7 @@ class DynamicStiffness:
         """
         right = np.concatenate([b, g]) * self._scale[:, None]
         if self._narrow:
-            np.copyto(self._buffer, np.tensordot(np.asarray(coefficients), self._parts, 1))
+            np.dot(np.asarray(coefficients, dtype=complex), self._parts, out=self._buffer.T.reshape(-1))
             _, _, found, info = self._gbsv(
                 self._width,
                 self._width,

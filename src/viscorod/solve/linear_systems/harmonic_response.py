@@ -19,6 +19,8 @@ __all__ = ["HarmonicResponse"]
 
 ROUND_OFF = 1e-12
 """Part of what the motions of all nodes could make of an output below which it is round-off."""
+FEW = 10_000
+"""Numbers of a matrix that is small."""
 BESIDE = 1e-6
 """Distance from a pole, as a part of it, at which its residue is taken."""
 
@@ -49,7 +51,7 @@ class HarmonicResponse:
         self._pushed = [np.asarray(rows @ moved) for rows in small.balance]
         gaps = inputs.targets if small.gradients is None else inputs.targets - small.gradients @ moved
         self._gaps = np.asarray(gaps)
-        self._read = [sparse.csr_array(rows @ free) for rows in readings.rows]
+        self._read = [_of_few(sparse.csr_array(rows @ free)) for rows in readings.rows]
         self._carried = [np.asarray(rows @ moved) for rows in readings.rows]
         self._parts = [k for k, rows in enumerate(readings.rows) if rows.nnz]
 
@@ -144,7 +146,9 @@ class HarmonicResponse:
         c, size = self.small.at(s), self._size
         x, multipliers = found[:size], found[size:]
         times = self._times(s)
-        out = self.readings.direct + self.readings.multipliers @ multipliers
+        out: np.ndarray = self.readings.direct.astype(complex)
+        if len(multipliers):
+            out = out + self.readings.multipliers @ multipliers
         for k in self._parts:
             out = out + c[k] * (self._read[k] @ x)
             if self._moving:
@@ -168,6 +172,11 @@ class HarmonicResponse:
         return np.array([self.at(float(f)) for f in hertz]).reshape(
             len(hertz), len(self.readings.outputs), len(self.inputs.signals)
         )
+
+
+def _of_few(matrix: sparse.csr_array) -> sparse.csr_array | np.ndarray:
+    """Return a matrix that is small as an array, whose products take less time."""
+    return matrix.toarray() if matrix.shape[0] * matrix.shape[1] <= FEW else matrix
 
 
 def _products(matrix: sparse.csr_array, columns: np.ndarray) -> np.ndarray:
