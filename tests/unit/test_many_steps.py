@@ -183,6 +183,24 @@ def held_in_part():
     return model
 
 
+def held_in_part_and_moved():
+    """What holds its start moves and turns, the guide of its end moves across, and a load changes."""
+    model = falling()
+    shaking = {"uy": vr.Sine(3.0, amplitude=0.01), "uz": vr.Ramp(0.1, 0.3, 0.02)}
+    model.support("rod.start", fixed=["ux", "rx"], motion=shaking | {"rz": vr.SpinUp(1.0, 0.3)})
+    model.guide("rod.end", along=(1.0, 0.2, 0.0), motion={"uz": vr.Sine(2.0, amplitude=0.02)})
+    model.force("rod@0.3", (0, 0.01, 0), time=vr.Sine(3.0))
+    return model
+
+
+def shaken_by_a_table():
+    """The pin follows a table, at whose rows velocities jump."""
+    model = falling()
+    times, values = TABLE
+    model.pin("rod.start", motion={"uy": vr.TimeTable(times, [0.05 * value for value in values])})
+    return model
+
+
 def sleeve():
     """The velocity of the start along the moving section's axes is held."""
     model = falling()
@@ -262,6 +280,9 @@ def bent_out_of_two():
         (dragged_by_python, {"tolerance": 1e-3}),
         (held_in_part, {"tolerance": 1e-4, "output_interval": 0.02}),
         (held_in_part, {}),
+        (held_in_part_and_moved, {"tolerance": 1e-4, "output_interval": 0.013}),
+        (held_in_part_and_moved, {"tolerance": 1e-2}),
+        (shaken_by_a_table, {"tolerance": 1e-3}),
         (sleeve, {"tolerance": 1e-3}),
         (free, {}),
         (free, {"tolerance": 1e-3}),  # a third of the attempts do not converge

@@ -245,8 +245,8 @@ def compile_step() -> None:
 
 
 def compile_loop() -> None:
-    """Compile the loop of radau's steps, and what joints have in it, which runs use if it is there."""
-    for model in (soft_model(), small_hinged()):
+    """Compile the loop of radau's steps, and what only some models have in it, which runs use if it is there."""
+    for model in (soft_model(), small_hinged(), small_model()):
         work = DiscreteModel.of(model)
         radau = Radau(work.system, work.supports, tolerance=1e-4)
         radau.start(0.0, State.reference(work.problem))

@@ -22,6 +22,7 @@ import numpy as np
 from viscorod.mechanics.compilation.compiled import kernel, part
 from viscorod.mechanics.nodes.prescribed_motion import axis, step_to_target, turned_by
 from viscorod.mechanics.rotations.exponential_map import inverse_coefficients, logarithm, pulled, tangent_of
+from viscorod.mechanics.rotations.rotation import retract
 from viscorod.mechanics.rotations.vectors import (
     conjugate,
     cross,
@@ -316,6 +317,34 @@ def project_twists(
         for a in range(6):
             for b in range(6):
                 twist[k, a] += Z[0, a, b] * gap[0, b]
+
+
+@kernel
+def correct_poses(
+    supports: SupportedNodes,
+    rows: Integers,
+    target: Floats,
+    r: Floats,
+    q: Floats,
+    directions: Directions,
+    change: Floats,
+) -> None:
+    """Put the held components of nodes that are held in part exactly where they are to be.
+
+    Args:
+        rows: of these supports ``(p,)``; target: prescribed values of all ``(m, 6)``.
+        r, q: of all nodes; directions, change: scratch of one support, and of one node ``(1, 6)``.
+    """
+    nodes, fixed, Z, value = supports.nodes, supports.fixed, directions.Z, directions.value
+    for i in range(rows.shape[0]):
+        s = rows[i]
+        k = nodes[s]
+        support_directions(supports, s, target, r, q, 0, directions)
+        for a in range(6):
+            change[0, a] = 0.0
+            for b in range(6):
+                change[0, a] += Z[0, a, b] * (fixed[s, b] * (target[s, b] - value[0, b]))
+        retract(r[k : k + 1], q[k : k + 1], change, r[k : k + 1], q[k : k + 1])
 
 
 @kernel

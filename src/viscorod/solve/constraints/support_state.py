@@ -9,7 +9,6 @@ from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
-from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.free_block import free_block, free_rows
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
@@ -45,7 +44,7 @@ class SupportState:
             KnownTypes(supports.impose),
             KnownTypes(supports.impose_tangent),
         )
-        self._project = KnownTypes(supports.project_twists)
+        self._project, self._correct = KnownTypes(supports.project_twists), KnownTypes(supports.correct_poses)
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)
@@ -260,11 +259,9 @@ class SupportState:
         if not self.moving or len(self.partial) == 0:
             return
         self.update(t)
-        change = np.zeros_like(state.twist)
-        for k in self.partial:
-            value, _, Z, _ = self._directions(int(k), state)
-            change[self.set.nodes[k]] = Z @ (self.set.fixed[k] * (self.target[k] - value))
-        retract(state.r, state.q, change, state.r, state.q)
+        correct = self._correct.suited(state.r, state.q)
+        given = self.nodes, self.partial, self.target
+        correct(*given, state.r, state.q, supports.Directions.of(1), np.empty((1, 6)))
         self.project_twists(state)
 
     def add_inertia(self, state: State, residual: Floats) -> None:

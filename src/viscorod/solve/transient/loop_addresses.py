@@ -17,13 +17,13 @@ from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
-from viscorod.mechanics.nodes.support_rows import project_twists
+from viscorod.mechanics.nodes.support_rows import correct_poses, project_twists
 from viscorod.mechanics.nodes.table_motions import furthest_motion
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.factors import Factors
-from viscorod.solve.transient.integrators import kernel_results, loop_links
+from viscorod.solve.transient.integrators import kernel_results, loop_links, loop_moving_supports
 from viscorod.solve.transient.integrators.closed_states import Closed, Wanted
 from viscorod.solve.transient.integrators.loop_data import (
     Addresses,
@@ -39,12 +39,15 @@ from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 
-__all__ = ["LINK_KERNELS", "NOWHERE", "find_addresses"]
+__all__ = ["NOWHERE", "find_addresses", "own_kernels"]
 
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
 
-LINK_KERNELS: dict[str, tuple[Callable[..., object], tuple[object, ...]]] = {
+Kernels = dict[str, tuple[Callable[..., object], tuple[object, ...]]]
+"""Kernels by their names among the addresses, with arguments that they have behind the loop."""
+
+LINK_KERNELS: Kernels = {
     "drive_links": (loop_links.drive, (0.0, False, 0)),
     "linearise_links": (loop_links.linearise, (True,)),
     "predict_links": (loop_links.predict, (0.0,)),
@@ -52,7 +55,13 @@ LINK_KERNELS: dict[str, tuple[Callable[..., object], tuple[object, ...]]] = {
     "read_links": (loop_links.read, (0,)),
     "close_within": (loop_links.within, (0, 0, 0)),
 }
-"""Kernels of the loop that models with joints or held strains need, and arguments behind the loop."""
+"""Those that models with joints or held strains need."""
+MOVING_KERNELS: Kernels = {
+    "prescribe_start": (loop_moving_supports.prescribe_start, ()),
+    "turn_alone": (loop_moving_supports.turn_alone, ()),
+    "correct_within": (loop_moving_supports.correct_within, (0, 0, 0)),
+}
+"""Those of moving supports that hold nodes in part."""
 
 _known: dict[tuple[int | bool, ...], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
@@ -86,15 +95,32 @@ def find_addresses(
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
         kernels |= _of_records(integrator, model, given, states)
         kernels |= _of_branches(integrator) | _of_supports(integrator, model, given)
-        kernels |= _of_links(integrator, given, states, renewal, links, loop)
+        kernels |= _of_links(integrator, given, states, renewal, links)
         if len(loads.tables.begins):
             kernels["furthest"] = address_of(
                 KnownTypes(furthest_motion), kernel_results.REAL, lambda: (loads.tables, 0.0, 1.0)
             )
+        kernels |= _of_own(own_kernels(integrator), loop)
         if renews:
             kernels |= _of_jacobians(integrator, given, renewal)
         found = _known[key] = NOWHERE._replace(**kernels)
     return found
+
+
+def own_kernels(integrator: Radau) -> Kernels:
+    """Return the kernels of the loop that only some models need, by their names, and arguments behind the loop."""
+    supports = integrator.supports
+    found = LINK_KERNELS if integrator.stage_constraints is not None else {}
+    return found | MOVING_KERNELS if supports.moving and len(supports.partial) else found
+
+
+def _of_own(kernels: Kernels, loop: Shared[StepLoop]) -> dict[str, int]:
+    """Return where kernels of the loop are that only some models need."""
+
+    def address(kernel: Callable[..., object], *arguments: object) -> int:
+        return address_of(KnownTypes(kernel), kernel_results.NOTHING, lambda: arguments)
+
+    return {name: address(kernel, loop.argument, *rest) for name, (kernel, rest) in kernels.items()}
 
 
 def _renews(integrator: Radau) -> bool:
@@ -224,6 +250,14 @@ def _of_supports(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
             kernel_results.NOTHING,
             lambda: (held, model.held.rows, *last, model.held.turning, *where),
         )
+        if integrator.supports.moving:
+            scratch = model.reading.directions, model.held.change
+            given_rows = held, model.held.rows, model.held.target
+            found["correct"] = address_of(
+                KnownTypes(correct_poses),
+                kernel_results.NOTHING,
+                lambda: (*given_rows, now.r, now.q, *scratch),
+            )
         found["kinetic"] = address_of(
             KnownTypes(kinetic_energy), kernel_results.REAL, lambda: (body.mass, now.twist)
         )
@@ -236,7 +270,6 @@ def _of_links(
     states: Between,
     known: Renewal,
     links: LoopLinks,
-    loop: Shared[StepLoop],
 ) -> dict[str, int]:
     """Return where the kernels of joints, springs and held strains are, if there are any."""
     own, problem, found = integrator.stage_constraints, integrator.system.problem, {}
@@ -264,9 +297,7 @@ def _of_links(
     found["close"] = address_of(
         own.closed_states.closing, kernel_results.REAL, lambda: (shared, wanted, closed, 0, 1, True, True)
     )
-    return found | {
-        name: address(kernel, loop.argument, *arguments) for name, (kernel, arguments) in LINK_KERNELS.items()
-    }
+    return found
 
 
 def _of_jacobians(integrator: Radau, given: LoopState, known: Renewal) -> dict[str, int]:

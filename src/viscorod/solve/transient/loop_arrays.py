@@ -45,6 +45,17 @@ _NO_BRANCHES = loop_data.LoopBranches(
 )
 
 
+_NO_ROWS, _NO_MOTION = np.zeros((0, 6)), np.zeros((0, 0))
+_NO_SUPPORTS = loop_data.HeldInPart(
+    np.zeros(0, dtype=np.int64),
+    _NO_ROWS,
+    np.zeros((0, 3, 3)),
+    *(_NO_MOTION, _NO_MOTION, _NO_ROWS, _NO_ROWS, _NO_ROWS),
+    np.zeros((3, 0, 6)),
+    *(_NO_MOTION, _NO_MOTION, _NO_ROWS, _NO_ROWS),
+)
+
+
 def loop_arrays(
     integrator: Radau,
     control: ErrorControl,
@@ -117,8 +128,26 @@ def _branches(integrator: Radau) -> loop_data.LoopBranches:
 
 
 def _held_in_part(integrator: Radau) -> loop_data.HeldInPart:
-    rows = np.ascontiguousarray(integrator.supports.partial, dtype=np.int64)
-    return loop_data.HeldInPart(rows, np.zeros((len(rows), 6)))
+    supports = integrator.supports
+    if not len(supports.partial):
+        return _NO_SUPPORTS
+    rows = np.ascontiguousarray(supports.partial, dtype=np.int64)
+    p, (turning, twist_rate) = len(rows), np.zeros((2, len(rows), 6))
+    return loop_data.HeldInPart(
+        rows,
+        turning,
+        supports.set.axes[rows],
+        supports.r0[rows],
+        supports.q0[rows],
+        supports.set.fixed[rows],
+        np.zeros_like(supports.target),
+        np.zeros_like(supports.target),
+        np.zeros((3, p, 6)),
+        np.empty((p, 3)),
+        np.empty((p, 4)),
+        twist_rate,
+        np.empty((1, 6)),
+    )
 
 
 def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.Batch:

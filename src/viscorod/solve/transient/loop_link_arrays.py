@@ -20,6 +20,26 @@ from viscorod.solve.transient.integrators.radau import Radau
 __all__ = ["link_arrays", "serves_links"]
 
 
+_NOTHING, _BLOCK = np.zeros(0), np.zeros((0, 0, 6))
+_NONE = LoopLinks(
+    LinkMemory.of(0, 0, 0),
+    LinkMemory.of(0, 0, 0),
+    MotionCourses.none(),
+    JointLaws(0, _NOTHING),
+    JointStates.of(0, _NOTHING, 0),
+    _BLOCK,
+    MovingPoses(_BLOCK, _BLOCK, _BLOCK, _BLOCK),
+    _NOTHING,
+    _NOTHING,
+    np.zeros((0, 2), dtype=np.int64),
+    _NOTHING,
+    None,
+    0,
+    LinkRows.of(0, 0, 0),
+)
+"""Of a model that has none of these, but for what nothing is closed with, which depends on the model."""
+
+
 def serves_links(constraints: Constraints) -> bool:
     """Return whether the loop knows all that joints and springs do.
 
@@ -34,13 +54,15 @@ def serves_links(constraints: Constraints) -> bool:
 def link_arrays(integrator: Radau, lent: Lent, rows: int) -> LoopLinks:
     """Make what the loop has of joints, springs and held strains, with ``rows`` for records."""
     links, constraints = integrator.stage_constraints, integrator.system.constraints
+    if links is None:
+        return _NONE._replace(closing=_nothing(integrator, lent))
     bundle, problem = lent.task.bundle, integrator.system.problem
     now, given = bundle.start, bundle.links
     c, places, stages = len(given.states.near), len(given.scale), len(integrator.tableau.nodes)
     unit, motors = unit_of(problem.length), course_motors(constraints.joints)
     at, diagonal = constraints.idle, problem.pattern.diagonal
     return LoopLinks(
-        LinkMemory.of(stages, places, c) if links is None else links.memory,
+        links.memory,
         LinkMemory.of(stages, places, c),
         MotionCourses.none() if motors is None else motors,
         JointLaws(0, constraints.functions.buffer),
@@ -50,7 +72,7 @@ def link_arrays(integrator: Radau, lent: Lent, rows: int) -> LoopLinks:
         *constraints.slopes,
         np.stack([diagonal[problem.size + at // 6], at % 6], axis=1),
         np.array([unit, unit**2]),
-        _nothing(integrator, lent) if links is None else links.closed_states.share(integrator.systems),
+        links.closed_states.share(integrator.systems),
         int(constraints.measures_strains),
         LinkRows.of(rows, c, places),
     )

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from functools import partial
-from typing import NamedTuple
 
 import numpy as np
 
@@ -13,14 +11,13 @@ from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.compilation.shared import Shared
 from viscorod.model.actions.load_effects import CompiledLaw
-from viscorod.solve.constraints.constraints import JointState
-from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies_within
+from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Records, Snapshot, Snapshots
 from viscorod.solve.problem.load_courses import course_loads
 from viscorod.solve.problem.motion_courses import course_motions
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.transient.halved_steps import HalvedSteps, Reached, TriedStep
+from viscorod.solve.transient.halved_steps import HalvedSteps
 from viscorod.solve.transient.integrators import loop_data, step_loop
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
 from viscorod.solve.transient.integrators.lent_steps import Course, StepTaken
@@ -28,11 +25,12 @@ from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import (
     StepEnd,
 )
-from viscorod.solve.transient.loop_addresses import LINK_KERNELS, find_addresses
+from viscorod.solve.transient.loop_addresses import find_addresses, own_kernels
 from viscorod.solve.transient.loop_arrays import MOST_CORNERS, MOST_STEPS, loop_arrays
 from viscorod.solve.transient.loop_link_arrays import serves_links
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
+from viscorod.solve.transient.taken_records import Taken, TakenRecords
 from viscorod.solve.transient.trial_choice import SETTLED
 from viscorod.typing import Floats
 
@@ -42,27 +40,7 @@ MOST_NODES = 300
 """Nodes of a model up to which Python between the steps is worth saving."""
 
 
-class Taken(NamedTuple):
-    """Steps that were taken.
-
-    Attributes:
-        broken: strains are out of bounds after one more.
-        starts, ends, lengths: of the steps [s]; iterations, limits, unknowns: of each.
-        iterated, rejected: iterations of all attempts, and attempts that were rejected.
-    """
-
-    broken: bool
-    starts: list[float]
-    ends: list[float]
-    lengths: list[float]
-    iterations: list[int]
-    limits: list[int]
-    unknowns: list[int]
-    iterated: int
-    rejected: int
-
-
-class ManySteps:
+class ManySteps(TakenRecords):
     """The compiled loop of steps of one motion.
 
     Args:
@@ -77,11 +55,12 @@ class ManySteps:
         duration: float,
         output_interval: float | None,
     ) -> None:
-        self.integrator, self.control = integrator, control
+        self.control = control
         content = integrator.actions.content
         motions = course_motions(integrator.supports.set)
         courses = course_loads(integrator.actions.loads)
-        self._loop = loop_arrays(integrator, control, duration, output_interval, courses, motions)
+        arrays = loop_arrays(integrator, control, duration, output_interval, courses, motions)
+        super().__init__(integrator, arrays)
         self._factors = integrator.systems.factors
         self._shared: Shared[loop_data.StepLoop] | None = None
         self._callbacks: list[Callback] = []
@@ -115,7 +94,7 @@ class ManySteps:
             and all(isinstance(load.law, CompiledLaw) for load in problem.motion_loads)
             and not (content is not None and content.asks)
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
-            and not (integrator.supports.moving and len(integrator.supports.partial))
+            and _knows_motions(integrator.supports)
             and systems.real.plan.banded
             and not len(integrator.tableau.exact_inside)
             and _serves(integrator.tolerance)
@@ -172,45 +151,6 @@ class ManySteps:
         for callback in self._callbacks:
             callback.check()
 
-    def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
-        """Return the marks among the steps taken, with what returns the state there."""
-        rows = len(self._loop.batch.states.r) - loop_data.EXTRA_ROWS
-
-        def state(k: int) -> Snapshot:
-            return self._states(slice(rows + k, rows + k + 1)).at(0)
-
-        return [(mark, partial(state, k)) for k, mark in enumerate(marks) if mark <= len(taken.ends)]
-
-    def tried(self) -> dict[int, TriedStep]:
-        """Return the steps that were tried again, and whose halves came to their ends, by their numbers from 0."""
-        batch, found = self._loop.batch, {}
-        first = len(batch.states.r) - loop_data.EXTRA_ROWS + loop_data.MARKS
-        for number, end, h, complete in batch.trials[: self._loop.numbers[loop_data.TRIED]].tolist():
-            if complete:
-                start, *others = self._reached(slice(first, first + loop_data.TRIAL_ROWS))
-                found[int(number)] = TriedStep(end, h, start.state.twist, *others)
-            first += loop_data.TRIAL_ROWS
-        return found
-
-    def _reached(self, rows: slice) -> list[Reached]:
-        """Return the states in some rows, and their section forces, in arrays of their own."""
-        found = self._loop.batch.states
-        fields = found.r, found.q, found.twist, found.fields.points[2]
-        copies = zip(*(field[rows].copy() for field in fields), self._multipliers(rows), strict=True)
-        return [Reached(State(r, q, twist, multiplier), force) for r, q, twist, force, multiplier in copies]
-
-    def _multipliers(self, rows: slice) -> list[Floats]:
-        """Return the multipliers of the states in some rows, which may share an array where there are none."""
-        kept = self._loop.links.rows.multiplier[rows]
-        return list(kept.copy()) if kept.shape[1] else [self.integrator.state.multiplier] * len(kept)
-
-    def _joints(self, rows: slice) -> JointState | None:
-        """Return the joints in the states in some rows."""
-        if self.integrator.stage_constraints is None:
-            return None
-        kept = self._loop.links.rows
-        return JointState(kept.value[rows].copy(), kept.rate[rows].copy(), kept.force[rows].copy())
-
     def limit(self, taken: Taken, k: int) -> str:
         """Return what limited the ``k``-th step, in words."""
         return self.control.in_words(taken.limits[k])
@@ -220,76 +160,12 @@ class ManySteps:
         node, component = divmod(taken.unknowns[k], 6)
         return StepReport(Outcome.CONVERGED, taken.iterations[k], 0.0, 0.0, node, component=component)
 
-    def bring(self, account: EnergyAccount) -> None:
-        """Bring the energy account to the end of the steps taken."""
-        steps = int(self._loop.numbers[loop_data.STEPS])
-        found = self._loop.batch.accounts[steps].tolist()
-        account.kinetic, account.elastic, account.viscous, account.external, account.outside = found
-        account.branches = self._loop.batch.lost[steps].copy()
-
     def compile(self) -> None:
-        """Compile the loop, but none of the kernels that it calls, except for its own of joints, if there are any."""
+        """Compile the loop, but none of the kernels that it calls, except for those of its own that the model needs."""
         loop = Shared(self._loop).argument
         self._steps.compiled((loop,))
-        if self.integrator.stage_constraints is not None:
-            for kernel, arguments in LINK_KERNELS.values():
-                KnownTypes(kernel).compiled((loop, *arguments))
-
-    def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
-        """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
-
-        Args:
-            account: before the first of them.
-        """
-        batch, rows = self._loop.batch, int(self._loop.numbers[loop_data.ROWS])
-        if not rows:
-            return None
-        of_step, places = batch.of_step[:rows], batch.places[:rows]
-        states = self._states(slice(rows))
-        kinetic, work, loss, outside, _ = batch.states.energies[:, :rows]
-        steps = int(self._loop.numbers[loop_data.STEPS])
-        accounts = np.zeros((steps + 1, 8))
-        accounts[:, :4], accounts[:, 5] = batch.accounts[: steps + 1, :4], batch.accounts[: steps + 1, 4]
-        accounts[:, 6:] = account.actuator, account.start
-        moving, bent, lost, given, _, out, moved, start = accounts.T
-        accounts[:, 4] = moving + bent + lost + out - (given + moved + start)
-        nothing = np.zeros(rows)
-        last = accounts[of_step + 1, 4]
-        energies = energies_within(accounts[of_step], last, places, kinetic, (work, loss, outside, nothing))
-        ended = places == 1.0
-        energies[ended] = accounts[of_step[ended] + 1, :7]
-        branches = batch.lost[of_step] + batch.branches.loss[:rows]
-        branches[ended] = batch.lost[of_step[ended] + 1]
-        return (
-            batch.instants[:rows].tolist(),
-            Records(states, EnergiesKnown(energies, branches)),
-            batch.lengths[of_step].tolist(),
-            batch.notes[0, of_step].tolist(),
-        )
-
-    def _states(self, rows: slice) -> Snapshots:
-        """Return the states in some rows, in arrays of their own."""
-        found = self._loop.batch.states
-        strain, rate, force = found.fields.points[:, rows].copy()
-        kinetic, *_, elastic = found.energies[:, rows].copy()
-        branches, power, spring = self._loop.batch.branches, None, None
-        if self.integrator.dashpots is not None:
-            power, spring = branches.power[rows].copy(), branches.strain[rows].copy()
-        return Snapshots(
-            found.r[rows].copy(),
-            found.q[rows].copy(),
-            found.twist[rows].copy(),
-            self._multipliers(rows),
-            strain,
-            rate,
-            force,
-            found.fields.reactions[rows].copy(),
-            kinetic,
-            elastic,
-            self._joints(rows),
-            power,
-            spring,
-        )
+        for kernel, arguments in own_kernels(self.integrator).values():
+            KnownTypes(kernel).compiled((loop, *arguments))
 
     def _begin(self, account: EnergyAccount) -> None:
         """Hand the present state over."""
@@ -399,6 +275,13 @@ class ManySteps:
         message[1], message[2] = self.integrator.unseen()
 
 
+def _knows_motions(supports: SupportState) -> bool:
+    """Return whether the loop knows how moving supports hold nodes in part, if any do."""
+    if not (supports.moving and len(supports.partial)):
+        return True
+    return supports.stage is None and course_motions(supports.set) is not None
+
+
 def _serves(tolerance: Tolerance) -> bool:
     follows = isinstance(tolerance, PartOfMotion) and not tolerance.carried and tolerance.start is not None
     return follows or type(tolerance) is GivenTolerance
@@ -407,8 +290,7 @@ def _serves(tolerance: Tolerance) -> bool:
 def _worth_loading(integrator: Radau, *, long: bool) -> bool:
     """Return whether the loop is there; from disk it takes as long as it saves in some hundred steps."""
     known = [KnownTypes(step_loop.take_steps)]
-    if integrator.stage_constraints is not None:
-        known += [KnownTypes(kernel) for kernel, _ in LINK_KERNELS.values()]
+    known += [KnownTypes(kernel) for kernel, _ in own_kernels(integrator).values()]
     if all(kernel.loaded for kernel in known):
         return True
     return (long or integrator.trying.loaded) and all(kernel.kept for kernel in known)

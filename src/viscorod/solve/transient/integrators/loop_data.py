@@ -138,10 +138,27 @@ class LoopLinks(NamedTuple):
 
 
 class HeldInPart(NamedTuple):
-    """Supports at rest that hold nodes in part: their rows ``(p,)``, and zeros, how they turn ``(p, 6)``."""
+    """Supports that hold nodes in part: their rows ``(p,)``, and how their rotations alone turn these ``(p, 6)``.
+
+    Attributes:
+        axes, r0, q0, fixed: of these supports, see ``support_rows``.
+        target, rate: of all supports in a record ``(m, 6)``; given: of these, and accelerations ``(3, p, 6)``.
+        r, q, twist_rate, change: scratch ``(p, 3)``, ``(p, 4)``, ``(p, 6)``, ``(1, 6)``.
+    """
 
     rows: Integers
     turning: Floats
+    axes: Floats
+    r0: Floats
+    q0: Floats
+    fixed: Floats
+    target: Floats
+    rate: Floats
+    given: Floats
+    r: Floats
+    q: Floats
+    twist_rate: Floats
+    change: Floats
 
 
 class LoopModel(NamedTuple):
@@ -317,6 +334,10 @@ class Addresses(NamedTuple):
     furthest: int
     project_twists: int
     kinetic: int
+    correct: int
+    correct_within: int
+    turn_alone: int
+    prescribe_start: int
     joint_forces: int
     joint_tangent: int
     hold_strains: int

@@ -55,6 +55,8 @@ def renew(run: StepLoop) -> None:
     copy_blocks(mass, matrices.mass)
     inertia = (mass, twist, known.ad, out.blocks, out.rate_blocks, diagonal, matrices.adjoint)
     _do(calls.add_inertia, (*inertia, known.square))
+    if calls.prescribe_start != 0:
+        _with(calls.prescribe_start, (run,))
     held = (body.supports, known.target, run.state.kept.reaction, r, q, body.pattern)
     projected = (out.blocks, out.rate_blocks, matrices.mass, matrices.directions, known.square[0])
     _do(calls.project, (*held, *projected))

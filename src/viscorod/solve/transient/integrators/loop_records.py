@@ -131,4 +131,9 @@ def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
     reached = MovingPoses(now.r, now.q, now.twist, state.end.rate)
     step = (h, task.method, state.last, reached, begin, at_stages, run.clock[LOSS], reading)
     into = Between(to, found.r, found.q, found.twist, found.fields, found.energies)
-    _do(run.calls.between, (run.batch.places[first : first + size], *step, True, True, into))
+    corrected = run.calls.correct_within != 0
+    for k in range(2 if corrected else 1):
+        if k == 1:
+            _with(run.calls.correct_within, (run, first, size, to))
+        kind = (k == 0, k == 1 or not corrected)
+        _do(run.calls.between, (run.batch.places[first : first + size], *step, *kind, into))

@@ -10,7 +10,7 @@ from viscorod.solve.transient.integrators.loop_data import KINETIC, StepLoop
 
 __all__ = ["furthest", "move", "project"]
 
-_do, _measure = returning(NOTHING), returning(REAL)
+_do, _measure, _with = returning(NOTHING), returning(REAL), returning(NOTHING, whole=False)
 
 
 @exact_part
@@ -33,7 +33,9 @@ def furthest(run: StepLoop, t: float, end: float) -> float:
 
 @exact_part
 def project(run: StepLoop) -> None:
-    """Give nodes that supports at rest hold in part velocities that these allow, at the end of a step."""
+    """Give nodes that supports hold in part velocities that these allow, at the end of a step."""
+    if run.calls.turn_alone != 0:
+        _with(run.calls.turn_alone, (run,))
     task, now, held = run.model.task, run.state.now, run.model.held
     last = task.motion.target.shape[0] - 1
     given = (task.body.supports, held.rows, task.motion.target[last], task.motion.rate[last], held.turning)
