@@ -105,8 +105,8 @@ class Case:
             reference_step=step,
         )
 
-    def model(self, elements: int, order: int) -> vr.Model:
-        """The model for viscorod, `elements` per leg."""
+    def model(self, elements: int | None, order: int | None) -> vr.Model:
+        """The model for viscorod, `elements` per leg; None leaves the mesh to the program."""
         rotary = self.inertia[1:]
         given = {"damping": list(self.damping)} if any(self.damping) else {}
         section = vr.StiffnessSection(list(self.stiffness), [self.inertia[0]] * 3 + list(rotary), **given)
@@ -130,13 +130,22 @@ class Case:
         """The place whose motion is compared."""
         return f"leg{len(self.legs) - 1}.end"
 
-    def simulate(self, elements: int, order: int, tolerance: float, records: int = 200) -> vr.Run:
-        """Viscorod's run of the whole motion, stored at equal times."""
+    def simulate(
+        self,
+        elements: int | None,
+        order: int | None,
+        tolerance: float,
+        records: int = 200,
+        *,
+        errors: bool = True,
+    ) -> vr.Run:
+        """Viscorod's run of the whole motion, stored at equal times; ``errors``: with estimates of its errors."""
         return self.model(elements, order).simulate(
             self.duration,
             tolerance=tolerance,
             output_interval=self.duration / records,
             initial=self.initial,
+            errors=errors,
         )
 
     @property

@@ -18,6 +18,7 @@ from viscorod.mechanics.elements.lanes import (
     AT_STRAIN,
     AT_STRESS,
     AT_WEIGHT,
+    REGISTER,
     section_forces,
 )
 from viscorod.mechanics.elements.section_laws import add_lane_laws
@@ -118,14 +119,26 @@ class Batch(NamedTuple):
 
 
 @lane_kernel
+def whole_registers(count: int) -> int:
+    """Return how many lanes are worked on for so many points, which is no less.
+
+    What does not fill a vector register would go lane by lane. That none is left the compiler sees by the last bits.
+    """
+    return (count + REGISTER - 1) & -REGISTER
+
+
+@lane_kernel
 def gather_points(
-    elements: Elements, group: ElementGroup, stress: Floats, first: int, count: int, batch: Batch
+    elements: Elements, group: ElementGroup, stress: Floats, first: int, count: int, lanes: int, batch: Batch
 ) -> None:
-    """Put a group's Gauss points from number ``first`` on into lanes: weight, basis, stress, minus reference strain."""
+    """Put a group's Gauss points from number ``first`` on into lanes: weight, basis, stress, minus reference strain.
+
+    The last point is in all ``lanes`` beyond the ``count`` ones that are read.
+    """
     element, place, point, node = batch.element, batch.place, batch.point, batch.node
     order = group.order
     e, g = group.first + first // order, first % order
-    for lane in range(count):
+    for lane in range(lanes):
         if g == order:
             e, g = e + 1, 0
         element[lane], place[lane] = e, g
@@ -137,7 +150,8 @@ def gather_points(
         for i in range(6):
             point[0, AT_STRAIN + i, lane] = -elements.reference[e, g, i]
             point[0, AT_STRESS + i, lane] = weight * stress[e, g, i]
-        g += 1
+        if lane < count - 1:
+            g += 1
 
 
 @lane_kernel
@@ -211,15 +225,17 @@ def change_by_node(
 
 
 @lane_kernel
-def add_column(elements: Elements, own: bool, count: int, j: int, batch: Batch, blocks: Floats) -> None:
+def add_column(
+    elements: Elements, own: bool, count: int, lanes: int, j: int, batch: Batch, blocks: Floats
+) -> None:
     """Add the blocks of all nodes' forces by increments of nodes j, from the conjugate forces ``F``.
 
-    ``own``: the forces of node j turn with it.
+    ``own``: the forces of node j turn with it; count: of points, which are in the first ``lanes``.
     """
     for k in range(batch.node.shape[0]):
-        block_of(count, batch.node, batch.maps, k, batch.F, batch.block)
+        block_of(lanes, batch.node, batch.maps, k, batch.F, batch.block)
         if k == j and own:
-            add_frame_rotation(count, batch.point, batch.node, batch.maps, k, batch.block)
+            add_frame_rotation(lanes, batch.point, batch.node, batch.maps, k, batch.block)
         add_blocks(
             count,
             batch.element,

@@ -23,6 +23,7 @@ from viscorod.mechanics.elements.gauss_batch import (
     keep_columns,
     respond,
     scatter_points,
+    whole_registers,
 )
 from viscorod.mechanics.elements.internal_force import Elements
 from viscorod.mechanics.elements.lanes import (
@@ -133,33 +134,34 @@ def assemble(
     element, point, node, maps, nodal = batch.element, batch.point, batch.node, batch.maps, batch.nodal
     for first in range(0, total, LANES):
         count, number = min(LANES, total - first), first // LANES
-        gather_points(elements, group, fields.stress, first, count, batch)
-        gather_nodes(count, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
-        interpolate(count, point, node, maps)
+        lanes = whole_registers(count)
+        gather_points(elements, group, fields.stress, first, count, lanes, batch)
+        gather_nodes(lanes, element, nodes, links, link_positions, link_quaternions, r, q, twist, node)
+        interpolate(lanes, point, node, maps)
         if viscous:
-            rates(count, point, node, maps)
-        respond(elements, group, fields.prestress, viscous, count, batch)
-        conjugate_section_forces(count, point)
+            rates(lanes, point, node, maps)
+        respond(elements, group, fields.prestress, viscous, lanes, batch)
+        conjugate_section_forces(lanes, point)
         scatter_points(fields, count, batch)
         for k in range(m):
-            forces_on(count, point, node, maps, k, nodal)
+            forces_on(lanes, point, node, maps, k, nodal)
             add_forces(count, element, k, nodes, links, link_positions, link_quaternions, nodal, out.force)
         if not with_tangent:
             continue
-        conjugate_stress(count, point)
+        conjugate_stress(lanes, point)
         for j in range(m):
-            strain_columns(count, point, node, maps, j, batch.B)
+            strain_columns(lanes, point, node, maps, j, batch.B)
             if fields.strain_operator.shape[0] > 0:
-                keep_columns(count, batch.B, fields.strain_operator[number, j])
-            change_by_node(elements, group, viscous, rate_map, count, j, batch)
-            keep_columns(count, batch.A, fields.operator[number, j])
-            force_columns(count, point, batch.A, batch.F)
-            add_turned_forces(count, point, node, maps, j, batch.F)
-            add_column(elements, True, count, j, batch, out.blocks)
+                keep_columns(lanes, batch.B, fields.strain_operator[number, j])
+            change_by_node(elements, group, viscous, rate_map, lanes, j, batch)
+            keep_columns(lanes, batch.A, fields.operator[number, j])
+            force_columns(lanes, point, batch.A, batch.F)
+            add_turned_forces(lanes, point, node, maps, j, batch.F)
+            add_column(elements, True, count, lanes, j, batch, out.blocks)
             if separate:  # the damping matrix alone
-                section_columns(count, group.coupled, batch.D, batch.B, True, batch.A)
-                force_columns(count, point, batch.A, batch.F)
-                add_column(elements, False, count, j, batch, out.rate_blocks)
+                section_columns(lanes, group.coupled, batch.D, batch.B, True, batch.A)
+                force_columns(lanes, point, batch.A, batch.F)
+                add_column(elements, False, count, lanes, j, batch, out.rate_blocks)
 
 
 @kernel

@@ -32,6 +32,8 @@ from viscorod.typing import Floats
 
 LANES = 16
 """With fewer, the compiler finds the check that arrays do not overlap too expensive; more exceed the L1 cache."""
+REGISTER = 8
+"""Lanes of the widest vector registers, a power of two; :data:`LANES` is a multiple of it."""
 
 # rows of ``point`` (1, rows, LANES): r', q~, q~'; V, U, z0, conj(q~)/|q~|^2; flat rates; strain, rate, section force,
 # stress iterate (weighted), weight; forces conjugate to (c, y, b)
