@@ -13,8 +13,9 @@ over the change that rounding could make of it. The gradient of a random scalar 
 the adjoint (by neighbours where a model has none, which is counted), is compared with derivatives of the motion by
 neighbours, over the root of the sum of squares of what adds up.
 
-``cost`` prints processor time with p numbers over that without any, alternating, the least of several; ``cost
-adjoint`` only that of a motion with the gradient of a misfit of its tip.
+``cost`` prints processor time with p numbers over that without any, alternating, the least of several; the positions
+(frequencies, responses) are read of all results and derivatives, as arrays, of equilibria also those of a data set.
+``cost adjoint`` prints only that of a motion with the gradient of a misfit of its tip.
 """
 
 from __future__ import annotations
@@ -242,13 +243,15 @@ def cost() -> None:
     keys += ["rods.beam.section.width", "loads[1].value[1]"]
     response = {"inputs": "base uz", "outputs": "beam.end uz", "band": (1.0, 60.0)}
     numbers = {
-        "equilibrium": lambda found: found.data["position"].values,
+        "equilibrium": lambda found: found.field("position"),
+        "equilibrium, data set": lambda found: found.data["position"].values,
         "modes": lambda found: found.frequencies,
-        "simulate": lambda found: found.data["position"].values,
+        "simulate": lambda found: found.field("position"),
         "frequency_response": lambda found: found.values,
     }
     kinds = {
         "equilibrium": {},
+        "equilibrium, data set": {},
         "modes": {},
         "simulate": {"duration": 1.0, "output_interval": 0.01},
         "frequency_response": response,
@@ -256,12 +259,13 @@ def cost() -> None:
     for elements in (8, 60):
         model = swing(elements)
         for kind, settings in kinds.items():
-            analysis = getattr(model, kind)
+            analysis = getattr(model, kind.partition(",")[0])
             times = dict.fromkeys((0, 1, 2, 4), np.inf)
-            for _ in range(4):
+            for _ in range(20 if kind.startswith("equilibrium") else 4):
                 for p in times:
                     began = time.process_time()
                     found = analysis(**settings, derivatives=keys[:p])
+                    numbers[kind](found)
                     for derivative in found.derivatives.values():
                         derivative.of(numbers[kind])
                     times[p] = min(times[p], time.process_time() - began)
