@@ -152,8 +152,8 @@ def compared(model: vr.Model, key: str, kind: str, rng: np.random.Generator) -> 
     return float(np.abs(mine - expected).max()) / size, error / size
 
 
-def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) -> tuple[float, bool]:
-    """Return the largest error of a gradient, and whether the adjoint found it."""
+def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) -> tuple[float, str, bool]:
+    """Return the largest error of a gradient and the number that has it, and whether the adjoint found it."""
     settings = {"duration": 0.05, "output_interval": 0.01}
     run = model.simulate(**settings, derivatives=keys)
     names = ("position", "rotation", "velocity", "angular_velocity")
@@ -171,7 +171,8 @@ def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) ->
         number = CaseNumber.of(model, key)
         noise = 1e-3 * np.sqrt(sum(float(part.size) for part in parts)) / number.size
         errors.append(abs(found - sum(float(part.sum()) for part in parts)) / max(size, noise))
-    return max(errors), function.way == "adjoint"
+    worst = int(np.argmax(errors))
+    return errors[worst], keys[worst], function.way == "adjoint"
 
 
 def accuracy(first: int, count: int) -> None:
@@ -183,10 +184,10 @@ def accuracy(first: int, count: int) -> None:
         model, keys = random_model(rng)
         key = str(rng.choice(keys))
         for kind, found in errors.items():
-            uncertain = 0.0
+            uncertain, by = 0.0, key
             try:
                 if kind == "adjoint":
-                    error, known = adjoint_error(model, keys, rng)
+                    error, by, known = adjoint_error(model, keys, rng)
                     adjoints += known
                 else:
                     error, uncertain = compared(model, key, kind, rng)
@@ -195,7 +196,7 @@ def accuracy(first: int, count: int) -> None:
                 continue
             if error > FLOOR[kind]:
                 own = f", differences uncertain by {uncertain:.1e}" if uncertain else ""
-                print(f"model {k}, {kind} by {key}: {error:.1e}{own}", flush=True)
+                print(f"model {k}, {kind} by {by}: {error:.1e}{own}", flush=True)
             if uncertain > FLOOR[kind]:
                 unknown += 1
             else:
