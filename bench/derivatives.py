@@ -13,8 +13,9 @@ over the change that rounding could make of it. The gradient of a random scalar 
 the adjoint (by neighbours where a model has none, which is counted), is compared with derivatives of the motion by
 neighbours, over the root of the sum of squares of what adds up.
 
-``cost`` prints processor time with p numbers over that without any, alternating, the least of several; ``cost
-adjoint`` only that of a motion with the gradient of a misfit of its tip.
+``cost`` prints processor time with p numbers over that without any, alternating, the least of several; the positions
+(frequencies, responses) are read of all results and derivatives, as arrays, of equilibria also those of a data set.
+``cost adjoint`` prints only that of a motion with the gradient of a misfit of its tip.
 """
 
 from __future__ import annotations
@@ -151,8 +152,8 @@ def compared(model: vr.Model, key: str, kind: str, rng: np.random.Generator) -> 
     return float(np.abs(mine - expected).max()) / size, error / size
 
 
-def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) -> tuple[float, bool]:
-    """Return the largest error of a gradient, and whether the adjoint found it."""
+def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) -> tuple[float, str, bool]:
+    """Return the largest error of a gradient and the number that has it, and whether the adjoint found it."""
     settings = {"duration": 0.05, "output_interval": 0.01}
     run = model.simulate(**settings, derivatives=keys)
     names = ("position", "rotation", "velocity", "angular_velocity")
@@ -170,7 +171,8 @@ def adjoint_error(model: vr.Model, keys: list[str], rng: np.random.Generator) ->
         number = CaseNumber.of(model, key)
         noise = 1e-3 * np.sqrt(sum(float(part.size) for part in parts)) / number.size
         errors.append(abs(found - sum(float(part.sum()) for part in parts)) / max(size, noise))
-    return max(errors), function.way == "adjoint"
+    worst = int(np.argmax(errors))
+    return errors[worst], keys[worst], function.way == "adjoint"
 
 
 def accuracy(first: int, count: int) -> None:
@@ -182,10 +184,10 @@ def accuracy(first: int, count: int) -> None:
         model, keys = random_model(rng)
         key = str(rng.choice(keys))
         for kind, found in errors.items():
-            uncertain = 0.0
+            uncertain, by = 0.0, key
             try:
                 if kind == "adjoint":
-                    error, known = adjoint_error(model, keys, rng)
+                    error, by, known = adjoint_error(model, keys, rng)
                     adjoints += known
                 else:
                     error, uncertain = compared(model, key, kind, rng)
@@ -194,7 +196,7 @@ def accuracy(first: int, count: int) -> None:
                 continue
             if error > FLOOR[kind]:
                 own = f", differences uncertain by {uncertain:.1e}" if uncertain else ""
-                print(f"model {k}, {kind} by {key}: {error:.1e}{own}", flush=True)
+                print(f"model {k}, {kind} by {by}: {error:.1e}{own}", flush=True)
             if uncertain > FLOOR[kind]:
                 unknown += 1
             else:
@@ -242,13 +244,15 @@ def cost() -> None:
     keys += ["rods.beam.section.width", "loads[1].value[1]"]
     response = {"inputs": "base uz", "outputs": "beam.end uz", "band": (1.0, 60.0)}
     numbers = {
-        "equilibrium": lambda found: found.data["position"].values,
+        "equilibrium": lambda found: found.field("position"),
+        "equilibrium, data set": lambda found: found.data["position"].values,
         "modes": lambda found: found.frequencies,
-        "simulate": lambda found: found.data["position"].values,
+        "simulate": lambda found: found.field("position"),
         "frequency_response": lambda found: found.values,
     }
     kinds = {
         "equilibrium": {},
+        "equilibrium, data set": {},
         "modes": {},
         "simulate": {"duration": 1.0, "output_interval": 0.01},
         "frequency_response": response,
@@ -256,12 +260,13 @@ def cost() -> None:
     for elements in (8, 60):
         model = swing(elements)
         for kind, settings in kinds.items():
-            analysis = getattr(model, kind)
+            analysis = getattr(model, kind.partition(",")[0])
             times = dict.fromkeys((0, 1, 2, 4), np.inf)
-            for _ in range(4):
+            for _ in range(20 if kind.startswith("equilibrium") else 4):
                 for p in times:
                     began = time.process_time()
                     found = analysis(**settings, derivatives=keys[:p])
+                    numbers[kind](found)
                     for derivative in found.derivatives.values():
                         derivative.of(numbers[kind])
                     times[p] = min(times[p], time.process_time() - began)

@@ -54,7 +54,7 @@ LARGEST = 5e-4
 HIDDEN, FARTHEST = 3e-7, 1e-2
 """Change of positions over the size of the model, a millionth of which round-off (1e-13) nearly hides: a number that
 changes them less has four neighbours, which may differ by so much of it."""
-WEAK, WEAKER = ("damping", "inertia"), 10.0
+WEAK = {"damping": 20.0, "inertia": 10.0}
 """Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
 UNMOVED = 1e-11
 """The same of numbers that change nothing at rest, such as times of damping: what they move is seen in the motion."""
@@ -115,7 +115,7 @@ class _Tried(NamedTuple):
         """Return those to begin with: as far as what they change of the equilibrium at the start asks for."""
         if close is None:
             return cls(Neighbours.of(model, key, discrete), None)
-        part = close * (WEAKER if any(word in key for word in WEAK) else 1.0)
+        part = close * max((farther for word, farther in WEAK.items() if word in key), default=1.0)
         found = cls(Neighbours.of(model, key, discrete, part), part)
         moved = start.moved(found.neighbours)
         return found if moved < UNMOVED else found.better(model, discrete, moved) or found
@@ -165,7 +165,7 @@ def _histories(
 
 def _moved(histories: Sequence[History], length: float) -> float:
     """Return how far the motions of neighbours are apart at most, over the size of the model."""
-    first, *others = (history.states().r for history in histories)
+    first, *others = (np.concatenate([piece.states.r for piece in history.records]) for history in histories)
     return max(float(np.abs(other - first).max()) for other in others) / length
 
 
@@ -179,7 +179,7 @@ def require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> 
         "resume": (getattr(settings, "resume", False), "the steps before a motion was stopped are not known"),
         "modes": (settings.modes is not None, "the modes that a motion is sought in change too"),
         "events": (
-            bool(run.data.attrs.get("ended_by")),
+            bool(run.stored.attrs.get("ended_by")),
             "an event ended the motion, at a time that changes too",
         ),
     }
