@@ -114,6 +114,17 @@ def test_a_legend_has_as_many_columns_as_end_within_the_picture(names, columns):
     assert box.x1 <= picture.bbox.x1
 
 
+def test_a_legend_keeps_off_the_number_that_all_ticks_have_in_common():
+    picture = figure(10.0, 4.0)
+    axes = picture.add_subplot()
+    axes.plot([1.0, 2.0], [0.3 + 1e-8, 0.3 + 3e-8], label="one of many names")
+    legend_above(axes, 2)
+    picture.draw_without_rendering()
+    common = axes.yaxis.get_offset_text()
+    assert common.get_text().startswith("1e")
+    assert not axes.get_legend().get_window_extent().overlaps(common.get_window_extent())
+
+
 def test_axes_of_one_scale_keep_one_unit():
     picture = figure(5.0, 4.0)
     axes = picture.add_subplot()

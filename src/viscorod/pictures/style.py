@@ -160,16 +160,24 @@ def headline(picture: Figure, text: str) -> None:
 
 def legend_above(axes: Axes, columns: int) -> None:
     """Put the legend above an axes, where it hides nothing, in so many columns, or in fewer where they have no room."""
+    over_offset = 1.6 if _offset_text(axes) else 0.0
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
         ncols=columns_of(axes, axes.get_legend_handles_labels()[1], columns),
         frameon=False,
         fontsize=SMALL,
-        borderaxespad=0.2,
+        borderaxespad=0.2 + over_offset,
         handlelength=1.8,
         columnspacing=1.6,
     )
+
+
+def _offset_text(axes: Axes) -> str:
+    """Return what stands above the vertical axis where its numbers differ little or have a power: "1e-8+0.3"."""
+    ticks = axes.yaxis.get_major_formatter()
+    ticks.set_locs(axes.get_yticks().tolist())
+    return str(ticks.get_offset())
 
 
 def columns_of(axes: Axes, names: Sequence[str], most: int) -> int:
