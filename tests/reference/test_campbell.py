@@ -74,6 +74,23 @@ def test_whirl_of_jeffcotts_rotor(rotor):
     assert rotor.data["likeness"].values.min() > 0.99
 
 
+def test_an_error_that_vanishes_is_told_as_rounding():
+    """A standing shaft, alike all around, whose errors at one of its critical speeds come to 0: 0 is for unknown."""
+    from viscorod.analyses.followed import ROUNDING
+
+    steel = vr.Material(2.1e11, 0.3, 7850.0)
+    model = vr.Model()
+    shaft = vr.Rod.straight((0, 0, 0), (0, 0, 0.8), section=vr.Circle(5e-3), material=steel)
+    model.add("shaft", shaft)
+    model.support("shaft.start", ("ux", "uy", "uz"))
+    model.support("shaft.end", ("ux", "uy"))
+    model.gravity()
+    found = model.campbell(axis=(0, 0, 1), band=(0.0, 400.0), count=5, frame="space", modes=4)
+    slow = np.pi**2 / 0.8**2 * np.sqrt(2.1e11 * 0.005**2 / 4 / 7850.0)  # without its own weight
+    assert [one.speed for one in found.critical_speeds] == pytest.approx([slow, slow], rel=2e-3)
+    assert min(one.mesh_error for one in found.critical_speeds) >= ROUNDING
+
+
 def test_limit_of_jeffcotts_rotor(rotor):
     """Internal damping makes it whirl beyond w (1 + c_e/c_i): found to 1e-8 between speeds 20 rad/s apart."""
     (limit,) = rotor.limits
@@ -96,6 +113,7 @@ def test_critical_speed_of_jeffcotts_rotor(rotor):
         gap = min(abs(one.speed / expected - 1.0) for one in rotor.critical_speeds)
         assert gap < 1e-8
     assert len(rotor.critical_speeds) == 2
+    assert all(one.mesh_error > 0.0 for one in rotor.critical_speeds)  # 0 would say that it is not known
 
 
 def test_critical_speeds_of_an_overhung_disc():

@@ -70,6 +70,7 @@ class CallOptions:
         errors: estimate the errors of mesh and steps; where the program chooses the mesh it needs them.
         note_steps: note where the steps of a motion end; derivatives need it.
         step_ends: where they end [s], whatever they err by; none: steps are chosen.
+        stop_folded: end a motion in which an element folds, as on too coarse a mesh.
     """
 
     title: str = ""
@@ -83,6 +84,7 @@ class CallOptions:
     errors: bool = True
     note_steps: bool = False
     step_ends: tuple[float, ...] = ()
+    stop_folded: bool = False
 
 
 P = ParamSpec("P")

@@ -44,6 +44,8 @@ SOUGHT = 10.0
 """Size of a root over the largest that is followed, beyond which the search for slow ones does not find it exactly."""
 GAIN = 0.7
 """Part of the error before that refinement leaves at most, where it is the mesh that makes the error."""
+ROUNDING = float(np.finfo(float).eps)
+"""Least error of a root that was compared, in parts of it; 0 stands for one that was not."""
 
 
 T = TypeVar("T")
@@ -110,7 +112,8 @@ def errors_of(
     def compared() -> Errors:
         modes = FinerModes(finer(), tracker)
         of_limits = np.array([modes.limit_error(one) for one in limited], dtype=float)
-        return Errors(modes.errors(samples), of_limits, critical_errors(modes, critical, waves))
+        of_modes, of_speeds = modes.errors(samples), critical_errors(modes, critical, waves)
+        return Errors(np.maximum(of_modes, ROUNDING), of_limits, np.maximum(of_speeds, ROUNDING))
 
     return found_in(discrete, tracker, "errors of the mesh", compared, none)
 

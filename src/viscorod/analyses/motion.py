@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.finer_run import mesh_matters, told_by_finer_run
+from viscorod.analyses.folded_rods import FOLDED, folded
 from viscorod.analyses.motion_attributes import begun_at_once, blows, described, failure, keep, tell
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.motion_start import held_part, initial_state, small_motions
@@ -128,6 +129,8 @@ def _motion(
     def after_step() -> str:
         if written is not None:
             written.after_step(resumable)
+        if options.stop_folded and folded(integrator):
+            return FOLDED
         return "" if options.stop is None else options.stop()
 
     if begun is not None and (noted := restore({}, begun["watch"])):
@@ -144,6 +147,8 @@ def _motion(
         notes=_Noted(discrete.watch.noted, stream) if discrete.watch.feasible else None,
         watch=EventWatch(monitors(discrete, settings.events, linear)),
     )
+    if result.reason == FOLDED:
+        raise SolveError(failure(discrete, transient), coarse=True)
     loop_time = time.perf_counter() - began
     interrupted = result.outcome is Outcome.INTERRUPTED
     if written is not None and written.broken:

@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import find_initial_equilibrium
+from viscorod.analyses.folded_rods import on_unfolded
 from viscorod.errors import InputError, SolveError, last_warnings
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.files.folder_lock import claimed
@@ -127,7 +128,7 @@ def _refined_motion(
     settings: SimulateSettings,
 ) -> Run:
     with last_warnings() as told:
-        run = analysis(discrete, settings)
+        run, discrete = on_unfolded(analysis, discrete, settings)
         for _ in range(MOST_REPEATS):
             motion, forces = REPEATED * settings.accuracy, np.inf
             divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
@@ -140,7 +141,7 @@ def _refined_motion(
             if discrete.options.resume:  # what was stopped is complete
                 discrete = discrete.renewed(replace(discrete.options, resume=False), {})
             told.clear()
-            run = analysis(discrete, settings)
+            run, discrete = on_unfolded(analysis, discrete, settings)
     return run
 
 

@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
+from viscorod.analyses.folded_rods import FOLDED, folded
 from viscorod.analyses.motion_stepping import stepping
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.between_records import Instants
@@ -138,12 +139,18 @@ def second_run(
     times = _times(settings, end)
     transient = Transient(discrete.problem, integrator, control)
     stop, progress = discrete.options.stop, discrete.options.progress
+
+    def after_step() -> str:
+        if discrete.options.stop_folded and folded(integrator):  # the first run did not
+            return FOLDED
+        return "" if stop is None else stop()
+
     result = transient.run(
         start.copy(),
         end,
         output_interval=float(times[0]),
         progress=progress if getattr(progress, "again", False) else None,  # others count steps of the result
-        after_step=(lambda: "") if stop is None else stop,
+        after_step=after_step,
         patient=stop is None or getattr(stop, "patient", False),
     )
     if result.outcome is not Outcome.COMPLETED:
