@@ -10,6 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from viscorod.records.clipping import clipped_samples, resolution
 from viscorod.records.damped_sines import SineFit, residual_peak
 from viscorod.records.decay_fits import best_fit
+from viscorod.records.held_samples import held_for
 from viscorod.records.motion_record import Record
 from viscorod.records.stray_samples import LEAST, MOST, STEPS, dropouts, spikes
 from viscorod.records.sudden_change import changes_at
@@ -23,6 +24,8 @@ SWUNG = 0.05
 """Part of the largest deviation that is reached on the other side after a passage through rest; a dropout is none."""
 MUCH_LEFT, LEFT_BEFORE = 0.1, 0.3
 """What a fit leaves over the amplitude from which on a second motion is looked for, and what it leaves before that."""
+LEVELS = 2.0
+"""Steps of a coarse record that a swing has at least where it is fitted."""
 GROWN, GROWN_TO = 1.8, 0.25
 """Growth of the level of a period within two periods that is a second motion, and its size over the first level."""
 
@@ -36,6 +39,7 @@ class DecaySpan:
         begin_given, end_given: whether they stay.
         stray: samples of the part that were left out.
         again: time at which a second motion begins, s, or None.
+        held: samples that each value of the record stood for, of which the first was taken.
     """
 
     record: Record
@@ -44,17 +48,22 @@ class DecaySpan:
     end_given: bool
     stray: int = 0
     again: float | None = None
+    held: int = 1
 
     @classmethod
     def of(cls, record: Record, start: float | None, end: float | None) -> DecaySpan:
         """Return the span from the first passage through rest, or what was given."""
+        held, first = held_for(record.values)
+        if held > 1:
+            noise = None if record.noise is None else record.noise[first::held]
+            record = record.with_samples(record.times[first::held], record.values[first::held], noise)
         dropped = dropouts(record.values, STEPS * resolution(record.values) / LEAST)
         whole = _without(record, dropped)
         begin = start_of(whole.times, whole.values) if start is None else float(start)
         last = float(record.times[-1]) if end is None else float(end)
         inside = (record.times >= begin) & (record.times <= last)
         stray = int(np.count_nonzero(dropped & inside))
-        return cls(whole, whole.window(begin, last), start is not None, end is not None, stray)
+        return cls(whole, whole.window(begin, last), start is not None, end is not None, stray, held=held)
 
     def narrower(self, fit: SineFit | None, modes: int | None) -> DecaySpan | None:
         """Return what is left without what the fit shows to be no part of the decay; None if all of it is."""
@@ -76,6 +85,9 @@ class DecaySpan:
         if far.any() and stray <= MOST * (self.stray + count) and count - far.sum() >= FEWEST:
             record = _without(self.record, np.isin(self.record.times, self.part.times[far]))
             return replace(self, record=record, part=_without(self.part, far), stray=stray)
+        low = _below_levels(fit, resolution(self.part.values))
+        if not self.end_given and low < self.part.times[-1] - first:
+            return replace(self, part=self.part.window(first, first + low), end_given=True)
         sudden = None if self.end_given or fit.is_white else changes_at(fit)
         if sudden is not None:
             part = self.part.window(first, first + sudden)
@@ -88,6 +100,11 @@ class DecaySpan:
     def notes(self) -> list[str]:
         """Return what was left out, one sentence each."""
         found = []
+        if self.held > 1:
+            found.append(
+                f"every value stands {self.held} times in a row (it was held): the first of them is used, and the "
+                "others are no samples"
+            )
         if self.stray:
             found.append(
                 f"{self.stray} sample{' stands' if self.stray == 1 else 's stand'} far off the others (spikes, or "
@@ -185,6 +202,23 @@ def _after_clipping(part: Record, fit: SineFit) -> Record | None:
     return free if enough else None
 
 
+def _below_levels(fit: SineFit, step: float) -> float:
+    """Return the time from the first sample at which all modes are within few levels of the record's resolution.
+
+    What rounding to levels leaves over is no noise there, but a part of the swing that depends on where the rest lies.
+    """
+    size = np.abs(fit.amplitudes)
+    if step == 0.0 or not (fit.poles.real < 0.0).all() or fit.is_white:
+        return float("inf")  # noise of about a step makes noise of rounding, too
+    sunk = float(np.max(np.log(np.maximum(size / (LEVELS * step), 1.0)) / -fit.poles.real))
+    return max(sunk, _least(fit, float(fit.poles.imag[int(np.argmax(size))])))
+
+
+def _least(fit: SineFit, omega: float) -> float:
+    """Return the time that a decay keeps at least: four cycles of a frequency, and twice the fewest samples."""
+    return max(4.0 * 2.0 * np.pi / omega, float(fit.times[min(2 * FEWEST, len(fit.times) - 1)]))
+
+
 def _sunk(fit: SineFit) -> float:
     """Return the time from the first sample at which all modes are below what a fit leaves over that is not noise.
 
@@ -194,5 +228,4 @@ def _sunk(fit: SineFit) -> float:
         return float("inf")
     size = np.abs(fit.amplitudes)
     sunk = float(np.max(np.log(np.maximum(size / fit.noise, 1.0)) / -fit.poles.real))
-    least = 4.0 * 2.0 * np.pi / float(fit.poles.imag.min())
-    return max(sunk, least, float(fit.times[min(2 * FEWEST, len(fit.times) - 1)]))
+    return max(sunk, _least(fit, float(fit.poles.imag.min())))
