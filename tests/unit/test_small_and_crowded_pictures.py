@@ -118,7 +118,7 @@ def test_a_legend_keeps_off_the_number_that_all_ticks_have_in_common():
     picture = figure(10.0, 4.0)
     axes = picture.add_subplot()
     axes.plot([1.0, 2.0], [0.3 + 1e-8, 0.3 + 3e-8], label="one of many names")
-    legend_above(axes, 2)
+    legend_above(axes, 2, over_common=True)
     picture.draw_without_rendering()
     common = axes.yaxis.get_offset_text()
     assert common.get_text().startswith("1e")

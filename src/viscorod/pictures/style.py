@@ -158,26 +158,33 @@ def headline(picture: Figure, text: str) -> None:
         picture.suptitle(shown, fontsize=TEXT + 2.0, x=0.01, ha="left")
 
 
-def legend_above(axes: Axes, columns: int) -> None:
-    """Put the legend above an axes, where it hides nothing, in so many columns, or in fewer where they have no room."""
-    over_offset = 1.6 if _offset_text(axes) else 0.0
+OVER_COMMON = 1.6
+"""Heights of letters that the number above a vertical axis takes."""
+
+
+def legend_above(axes: Axes, columns: int, *, over_common: bool = False) -> None:
+    """Put the legend above an axes, where it hides nothing, in so many columns, or in fewer where they have no room.
+
+    ``over_common``: above the number that all ticks of the vertical axis have in common, if there is one.
+    """
+    raised = OVER_COMMON if over_common and has_common_number(axes) else 0.0
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
         ncols=columns_of(axes, axes.get_legend_handles_labels()[1], columns),
         frameon=False,
         fontsize=SMALL,
-        borderaxespad=0.2 + over_offset,
+        borderaxespad=0.2 + raised,
         handlelength=1.8,
         columnspacing=1.6,
     )
 
 
-def _offset_text(axes: Axes) -> str:
-    """Return what stands above the vertical axis where its numbers differ little or have a power: "1e-8+0.3"."""
+def has_common_number(axes: Axes) -> bool:
+    """Return whether a number stands above the vertical axis, as all ticks differ little from it: "1e-8+0.3"."""
     ticks = axes.yaxis.get_major_formatter()
     ticks.set_locs(axes.get_yticks().tolist())
-    return str(ticks.get_offset())
+    return bool(ticks.get_offset())
 
 
 def columns_of(axes: Axes, names: Sequence[str], most: int) -> int:

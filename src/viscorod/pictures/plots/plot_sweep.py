@@ -15,12 +15,15 @@ from viscorod.pictures.style import (
     BLUE,
     GREEN,
     ORANGE,
+    OVER_COMMON,
     PURPLE,
     RED,
     SKY,
+    SMALL,
     clean,
     columns_of,
     figure,
+    has_common_number,
     headline,
     legend_above,
     without_round_off,
@@ -89,9 +92,11 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         return within(panels[0])
     labels = panels[0].get_legend_handles_labels()[1]
     rows = -(-len(labels) // columns_of(panels[0], labels, COLUMNS))
-    if rows > ROOM:  # for the legend, below the title
-        taller = picture.get_figheight() + ROW * (rows - ROOM)
-        top = 1.0 - (picture.get_figheight() * (1.0 - picture.subplotpars.top) + ROW * (rows - ROOM)) / taller
+    common = OVER_COMMON * SMALL / 72.0 if labels and has_common_number(panels[0]) else 0.0
+    more = max(ROW * (rows - ROOM), 0.0) + common
+    if more > 0.0:  # for the legend, below the title
+        taller = picture.get_figheight() + more
+        top = 1.0 - (picture.get_figheight() * (1.0 - picture.subplotpars.top) + more) / taller
         picture.set_figheight(taller)
         picture.subplots_adjust(top=top, bottom=0.6 / taller)
     return picture
@@ -143,9 +148,9 @@ def _draw(
         axes.plot(
             at, number, marker="o", markersize=4.5, linestyle=line, color=COLOURS[k], label=label or None
         )
-    if others and legend:
-        legend_above(axes, COLUMNS)
     without_round_off(axes.set_ylim, table[name].dropna().to_numpy(dtype=float))
+    if others and legend:
+        legend_above(axes, COLUMNS, over_common=True)
 
 
 def _column(rows: pd.DataFrame, x: str, name: str) -> tuple[Any, Any]:
