@@ -155,6 +155,7 @@ def relaxing():
         (motors, {"tolerance": 1e-3, "output_interval": 0.013}),
         (motors, {}),
         (carried, {"tolerance": 1e-3}),
+        (carried, {}),
         (loaded_by_python, {"tolerance": 1e-2, "output_interval": 0.02}),
         (inextensible, {"tolerance": 1e-3, "output_interval": 0.013}),
         (inextensible_alone, {}),

@@ -201,6 +201,21 @@ def shaken_by_a_table():
     return model
 
 
+def hardly_shaken():
+    """The clamp shakes so little that the tolerance is a part of the motion beside what it carries along."""
+    model = soft(0.002)
+    model.clamp("rod.start", motion={"uz": vr.Sine(3.0, amplitude=2e-4), "ry": vr.Sine(2.0, amplitude=1e-3)})
+    return model
+
+
+def hardly_slid():
+    """Its start slides freely across an oblique axis, and is moved along it so little: nothing turns with it."""
+    model, slope = soft(0.002), ((1, 0.02, 0.02), (0, 1, -1))
+    held = ["uz", "rx", "ry", "rz"]
+    model.support("rod.start", fixed=held, axes=slope, motion={"ux": vr.Ramp(0.0, 0.3, 1e-3)})
+    return model
+
+
 def sleeve():
     """The velocity of the start along the moving section's axes is held."""
     model = falling()
@@ -283,6 +298,8 @@ def bent_out_of_two():
         (held_in_part_and_moved, {"tolerance": 1e-4, "output_interval": 0.013}),
         (held_in_part_and_moved, {"tolerance": 1e-2}),
         (shaken_by_a_table, {"tolerance": 1e-3}),
+        (hardly_shaken, {"output_interval": 0.02}),
+        (hardly_slid, {}),
         (sleeve, {"tolerance": 1e-3}),
         (free, {}),
         (free, {"tolerance": 1e-3}),  # a third of the attempts do not converge

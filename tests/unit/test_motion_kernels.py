@@ -5,10 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.linalg import expm
+from scipy.spatial.transform import Rotation
 
 from helpers.kernel_parts import from_python
 from viscorod.mechanics.compilation import shared
 from viscorod.mechanics.compilation.known_types import KnownTypes
+from viscorod.mechanics.nodes.carried_motion import Carrier, carry_along
 from viscorod.mechanics.rotations.exponential_map import versine_coefficients, versine_slopes
 from viscorod.mechanics.rotations.nodal_motion import (
     coordinate_rates,
@@ -220,6 +222,56 @@ def test_extent_of_a_motion():
         speeds = np.linalg.norm(twist.reshape(7, 2, 3), axis=2).max(axis=0)
         found = motion_extent(r0, q0, r, q, twist, length)
         assert found == pytest.approx((far, max(speeds[0] / length, speeds[1])), rel=1e-14)
+
+
+def moving_nodes():
+    """Poses of five nodes where a motion begins, and elsewhere, with body twists."""
+    rng = np.random.default_rng(5)
+    r0, r = rng.normal(size=(2, 5, 3))
+    q0, q = rng.normal(size=(2, 5, 4))
+    q0 /= np.linalg.norm(q0, axis=1, keepdims=True)
+    q /= np.linalg.norm(q, axis=1, keepdims=True)
+    return r0, q0, r, q, rng.normal(size=(5, 6))
+
+
+def carried(carrier, r0, q0, r, q, twist):
+    found = np.empty_like(r0), np.empty_like(q0), np.empty_like(twist)
+    carry_along(carrier, r0, q0, r, q, twist, *found)
+    return found
+
+
+def test_a_rigid_motion_is_all_carried_along():
+    """By any of its nodes; what one of the others does beside it is all that is left (rotations by SciPy)."""
+    r0, q0, *_ = moving_nodes()
+    turn, moved = Rotation.from_rotvec([0.4, -1.9, 1.1]), np.array([0.3, 2.0, -1.0])
+    velocity, spin = np.array([1.0, -2.0, 0.5]), np.array([3.0, 0.2, -1.0])
+    r = moved + turn.apply(r0)
+    now = turn * Rotation.from_quat(np.roll(q0, -1, axis=1))
+    q = np.roll(now.as_quat(), 1, axis=1)
+    twist = np.hstack([now.inv().apply(velocity + np.cross(spin, r)), now.inv().apply(np.tile(spin, (5, 1)))])
+    own = np.array([0.1, 0.2, -0.3, 0.4, 0.5, 0.6])
+    for node in (0, 3):
+        moving = twist.copy()
+        moving[2] += own
+        there, turned, relative = carried(Carrier(node, 1, np.eye(3)), r0, q0, r, q, moving)
+        np.testing.assert_allclose(there, r, atol=1e-14)
+        np.testing.assert_allclose(np.abs(np.sum(turned * q, axis=1)), 1.0, atol=1e-14)
+        expected = np.zeros((5, 6))
+        expected[2] = own
+        np.testing.assert_allclose(relative, expected, atol=1e-13)
+
+
+def test_what_does_not_turn_is_carried_in_some_directions():
+    """All nodes go as far as theirs goes in a plane, whichever way it turns."""
+    r0, q0, r, q, twist = moving_nodes()
+    plane = np.eye(3) - np.outer([0.6, 0.0, 0.8], [0.6, 0.0, 0.8])
+    there, turned, relative = carried(Carrier(1, 0, plane), r0, q0, r, q, twist)
+    np.testing.assert_allclose(there, r0 + plane @ (r[1] - r0[1]), atol=1e-14)
+    np.testing.assert_array_equal(turned, q0)
+    now = Rotation.from_quat(np.roll(q, -1, axis=1))
+    speed = now.apply(twist[:, :3])
+    np.testing.assert_allclose(now.apply(relative[:, :3]), speed - plane @ speed[1], atol=1e-14)
+    np.testing.assert_array_equal(relative[:, 3:], twist[:, 3:])
 
 
 def test_kernels_are_called_with_types_that_are_known():

@@ -8,6 +8,7 @@ from scipy import sparse
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
+from viscorod.mechanics.nodes.nodes_held_in_part import correct_poses, project_twists
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
 from viscorod.solve.constraints.free_block import free_block, free_rows
 from viscorod.solve.formulations.system import State
@@ -44,7 +45,7 @@ class SupportState:
             KnownTypes(supports.impose),
             KnownTypes(supports.impose_tangent),
         )
-        self._project, self._correct = KnownTypes(supports.project_twists), KnownTypes(supports.correct_poses)
+        self._project, self._correct = KnownTypes(project_twists), KnownTypes(correct_poses)
         self.complete = s.complete
         self.partial = s.partial
         self.moving = bool(s.motions)

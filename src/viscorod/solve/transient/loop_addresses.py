@@ -14,20 +14,20 @@ from viscorod.mechanics.elements.held_strains import add_held_strains
 from viscorod.mechanics.joints.joint_forces import joint_forces
 from viscorod.mechanics.joints.joint_tangent import JointSlopes, add_joint_tangent
 from viscorod.mechanics.nodes.applied_loads import add_nodal_loads
+from viscorod.mechanics.nodes.carried_motion import carry_along
 from viscorod.mechanics.nodes.inertia import kinetic_energy
 from viscorod.mechanics.nodes.motion_loads import MotionTangent, add_motion_loads
+from viscorod.mechanics.nodes.nodes_held_in_part import correct_poses, project_twists
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
-from viscorod.mechanics.nodes.support_rows import correct_poses, project_twists
 from viscorod.mechanics.nodes.table_motions import furthest_motion
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.linear.factors import Factors
-from viscorod.solve.transient.integrators import kernel_results, loop_links, loop_moving_supports
+from viscorod.solve.transient.integrators import kernel_results
 from viscorod.solve.transient.integrators.closed_states import Closed, Wanted
 from viscorod.solve.transient.integrators.loop_data import (
     Addresses,
-    LoopLinks,
     LoopLoads,
     LoopModel,
     LoopState,
@@ -35,33 +35,17 @@ from viscorod.solve.transient.integrators.loop_data import (
     Renewal,
     StepLoop,
 )
+from viscorod.solve.transient.integrators.loop_link_data import LoopLinks
 from viscorod.solve.transient.integrators.predictor import LastStep
 from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
+from viscorod.solve.transient.loop_own_kernels import find_own, own_kernels
+from viscorod.solve.transient.motion_scale import PartOfMotion
 
-__all__ = ["NOWHERE", "find_addresses", "own_kernels"]
+__all__ = ["NOWHERE", "find_addresses"]
 
 NOWHERE = Addresses._make([0] * len(Addresses._fields))
 """Addresses of kernels that are not known yet."""
-
-Kernels = dict[str, tuple[Callable[..., object], tuple[object, ...]]]
-"""Kernels by their names among the addresses, with arguments that they have behind the loop."""
-
-LINK_KERNELS: Kernels = {
-    "drive_links": (loop_links.drive, (0.0, False, 0)),
-    "linearise_links": (loop_links.linearise, (True,)),
-    "predict_links": (loop_links.predict, (0.0,)),
-    "keep_links": (loop_links.keep, ()),
-    "read_links": (loop_links.read, (0,)),
-    "close_within": (loop_links.within, (0, 0, 0)),
-}
-"""Those that models with joints or held strains need."""
-MOVING_KERNELS: Kernels = {
-    "prescribe_start": (loop_moving_supports.prescribe_start, ()),
-    "turn_alone": (loop_moving_supports.turn_alone, ()),
-    "correct_within": (loop_moving_supports.correct_within, (0, 0, 0)),
-}
-"""Those of moving supports that hold nodes in part."""
 
 _known: dict[tuple[int | bool, ...], Addresses] = {}
 """By kinds of loops: addresses are good for as long as the process lives."""
@@ -88,8 +72,9 @@ def find_addresses(
     supports, moving = integrator.supports, integrator.actions.loads.motion
     there = supports.moving, len(supports.partial) > 0, len(moving.nodes) > 0, len(loads.tables.begins) > 0
     problem = integrator.system.problem
+    carried = isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.carrier is not None
     joined = problem.constrained, problem.joints.count > 0, len(problem.held.place) > 0
-    key = loop.number, renews, integrator.dashpots is None, *there, *joined
+    key = loop.number, renews, integrator.dashpots is None, carried, *there, *joined
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
@@ -100,27 +85,13 @@ def find_addresses(
             kernels["furthest"] = address_of(
                 KnownTypes(furthest_motion), kernel_results.REAL, lambda: (loads.tables, 0.0, 1.0)
             )
-        kernels |= _of_own(own_kernels(integrator), loop)
+        if carried:
+            kernels["carry"] = _of_carrying(given)
+        kernels |= find_own(own_kernels(integrator), loop)
         if renews:
             kernels |= _of_jacobians(integrator, given, renewal)
         found = _known[key] = NOWHERE._replace(**kernels)
     return found
-
-
-def own_kernels(integrator: Radau) -> Kernels:
-    """Return the kernels of the loop that only some models need, by their names, and arguments behind the loop."""
-    supports = integrator.supports
-    found = LINK_KERNELS if integrator.stage_constraints is not None else {}
-    return found | MOVING_KERNELS if supports.moving and len(supports.partial) else found
-
-
-def _of_own(kernels: Kernels, loop: Shared[StepLoop]) -> dict[str, int]:
-    """Return where kernels of the loop are that only some models need."""
-
-    def address(kernel: Callable[..., object], *arguments: object) -> int:
-        return address_of(KnownTypes(kernel), kernel_results.NOTHING, lambda: arguments)
-
-    return {name: address(kernel, loop.argument, *rest) for name, (kernel, rest) in kernels.items()}
 
 
 def _renews(integrator: Radau) -> bool:
@@ -150,6 +121,14 @@ def _of_attempts(integrator: Radau, model: LoopModel, given: LoopState) -> dict[
             lambda: (now.r, now.q, stages.r[0], stages.q[0], stages.twist[0], h),
         ),
     }
+
+
+def _of_carrying(given: LoopState) -> int:
+    """Return where the kernel is that carries poses along with a support."""
+    now, begun = given.now, given.follows
+    where = begun.r, begun.q, now.r, now.q, now.twist
+    into = begun.carried_r, begun.carried_q, begun.relative_twist
+    return address_of(KnownTypes(carry_along), kernel_results.NOTHING, lambda: (begun.carrier, *where, *into))
 
 
 def _of_systems(integrator: Radau, systems: LoopSystems) -> dict[str, int]:

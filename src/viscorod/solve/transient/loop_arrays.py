@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
+from viscorod.mechanics.nodes.carried_motion import Carrier
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.nodes.table_motions import TableMotions
@@ -244,5 +245,8 @@ def _loads(
 
 def _followed(tolerance: Tolerance, nodes: int) -> loop_data.Follows:
     """Return what a tolerance follows, if it follows anything."""
-    numbers = tolerance.numbers if isinstance(tolerance, PartOfMotion) else np.zeros(amplitude.COUNT)
-    return loop_data.Follows(numbers, np.zeros((nodes, 3)), np.zeros((nodes, 4)))
+    numbers, carrier = np.zeros(amplitude.COUNT), None
+    if isinstance(tolerance, PartOfMotion):
+        numbers, carrier = tolerance.numbers, tolerance.carrier
+    poses, carried = ((np.zeros((nodes, 3)), np.zeros((nodes, 4))) for _ in range(2))
+    return loop_data.Follows(numbers, *poses, carrier or Carrier.none(), *carried, np.zeros((nodes, 6)))

@@ -14,7 +14,7 @@ from viscorod.solve.problem.motion_courses import course_motors
 from viscorod.solve.transient.integrators.closed_states import Closing, Solver
 from viscorod.solve.transient.integrators.lent_steps import Lent
 from viscorod.solve.transient.integrators.link_memory import LinkMemory
-from viscorod.solve.transient.integrators.loop_data import LinkRows, LoopLinks
+from viscorod.solve.transient.integrators.loop_link_data import LinkRows, LoopLinks
 from viscorod.solve.transient.integrators.radau import Radau
 
 __all__ = ["link_arrays", "serves_links"]

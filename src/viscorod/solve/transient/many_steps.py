@@ -25,9 +25,10 @@ from viscorod.solve.transient.integrators.radau import Radau
 from viscorod.solve.transient.integrators.record_kernels import (
     StepEnd,
 )
-from viscorod.solve.transient.loop_addresses import find_addresses, own_kernels
+from viscorod.solve.transient.loop_addresses import find_addresses
 from viscorod.solve.transient.loop_arrays import MOST_CORNERS, MOST_STEPS, loop_arrays
 from viscorod.solve.transient.loop_link_arrays import serves_links
+from viscorod.solve.transient.loop_own_kernels import own_kernels
 from viscorod.solve.transient.motion_scale import GivenTolerance, PartOfMotion, Tolerance
 from viscorod.solve.transient.step_control import ErrorControl, StepControl
 from viscorod.solve.transient.taken_records import Taken, TakenRecords
@@ -283,7 +284,7 @@ def _knows_motions(supports: SupportState) -> bool:
 
 
 def _serves(tolerance: Tolerance) -> bool:
-    follows = isinstance(tolerance, PartOfMotion) and not tolerance.carried and tolerance.start is not None
+    follows = isinstance(tolerance, PartOfMotion) and tolerance.start is not None
     return follows or type(tolerance) is GivenTolerance
 
 

@@ -16,7 +16,7 @@ from typing import Protocol
 import numpy as np
 
 from viscorod.errors import SolveError
-from viscorod.mechanics.rotations.quaternion import conjugate, matrices, product
+from viscorod.mechanics.nodes.carried_motion import Carrier, carry_along
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
@@ -78,13 +78,15 @@ class PartOfMotion:
 
     Attributes:
         numbers: see ``amplitude``; start: where the motion began, once it has.
+        carrier: the support that moves, or turns, and so carries the model along; the first of them if there are
+            several, None if there is none.
     """
 
     def __init__(self, supports: SupportState, linear: Linearisation | None, duration: float) -> None:
         self.numbers = np.zeros(amplitude.COUNT)
         self.numbers[amplitude.LENGTH] = supports.problem.length
         self.start: State | None = None
-        self._carrier = _Carrier.of(supports)
+        self.carrier = _carrier_of(supports)
         self._respond = None
         if linear is not None:
             self._respond, self.numbers[amplitude.SLOWEST] = _response(supports, linear, PER_RUN / duration)
@@ -94,11 +96,6 @@ class PartOfMotion:
         """See :class:`Tolerance`."""
         return float(amplitude.allowed_now(self.numbers))
 
-    @property
-    def carried(self) -> bool:
-        """Whether displacements are relative to a support that moves."""
-        return self._carrier is not None
-
     def begin(self, t: float, state: State, force: Floats) -> None:
         """See :class:`Tolerance`."""
         if self.start is None:
@@ -106,8 +103,8 @@ class PartOfMotion:
         numbers = self.numbers
         numbers[amplitude.EXPECTED] = 0.0
         if self._respond is not None:
-            relative = state.twist if self._carrier is None else self._carrier.relative_twist(state)
-            numbers[amplitude.EXPECTED], time = self._respond(force, relative)
+            _, _, twist = self._relative(state)
+            numbers[amplitude.EXPECTED], time = self._respond(force, twist)
             numbers[amplitude.UNTIL] = t + time
 
     def at(self, t: float, state: State) -> float:
@@ -123,55 +120,33 @@ class PartOfMotion:
 
     def _extent(self, state: State) -> tuple[float, float]:
         """Return how far ``state`` is from the start, and how fast it is."""
-        assert self.start is not None
-        start, length = self.start, float(self.numbers[amplitude.LENGTH])
-        if self._carrier is None:
-            r, q, twist = start.r, start.q, state.twist
-        else:
-            r, q = self._carrier.carried(start, state)
-            twist = self._carrier.relative_twist(state)
-        return motion_extent(r, q, state.r, state.q, twist, length)
+        r, q, twist = self._relative(state)
+        return motion_extent(r, q, state.r, state.q, twist, float(self.numbers[amplitude.LENGTH]))
+
+    def _relative(self, state: State) -> tuple[Floats, Floats, Floats]:
+        """Return poses that count as no motion at the time of ``state``, and its body twists beside theirs."""
+        start = self.start
+        assert start is not None
+        if self.carrier is None:
+            return start.r, start.q, state.twist
+        found = np.empty_like(start.r), np.empty_like(start.q), np.empty_like(start.twist)
+        carry_along(self.carrier, start.r, start.q, state.r, state.q, state.twist, *found)
+        return found
 
 
-class _Carrier:
-    """The support that moves, or turns, and so carries the model along; the first of them if there are several."""
-
-    def __init__(self, node: int, whole: bool, directions: Floats) -> None:
-        self.node, self.whole, self.directions = node, whole, directions
-
-    @classmethod
-    def of(cls, supports: SupportState) -> _Carrier | None:
-        moving: dict[int, list[int]] = {}
-        for k, component, _ in supports.set.motions:
-            moving.setdefault(k, []).append(component)
-        for k in supports.complete:
-            if int(k) in moving:
-                return cls(int(supports.set.nodes[k]), True, np.eye(3))
-        for k, components in moving.items():
-            axes = supports.set.axes[k][[c for c in components if c < 3]]
-            if len(axes) and axes.any():
-                return cls(int(supports.set.nodes[k]), False, axes.T @ axes)
-        return None
-
-    def carried(self, start: State, state: State) -> tuple[Floats, Floats]:
-        """Return poses ``(n, 3), (n, 4)`` to which all nodes at ``start`` are carried by the time of ``state``."""
-        node = self.node
-        if not self.whole:
-            return start.r + self.directions @ (state.r[node] - start.r[node]), start.q
-        turn = product(state.q[node], conjugate(start.q[node]))
-        rotation = matrices(turn[None])[0]
-        r = state.r[node] + (start.r - start.r[node]) @ rotation.T
-        return r, product(np.broadcast_to(turn, start.q.shape), start.q)
-
-    def relative_twist(self, state: State) -> Floats:
-        """Return the body twists ``(n, 6)`` less those of being carried along."""
-        node, R = self.node, matrices(state.q)
-        speed = self.directions @ (R[node] @ state.twist[node, :3])
-        spin = R[node] @ state.twist[node, 3:] if self.whole else np.zeros(3)
-        twist = state.twist.copy()
-        twist[:, :3] -= np.einsum("nji,nj->ni", R, speed + np.cross(spin, state.r - state.r[node]))
-        twist[:, 3:] -= np.einsum("nji,j->ni", R, spin)
-        return twist
+def _carrier_of(supports: SupportState) -> Carrier | None:
+    """Return the node of the first support that moves; of those that hold it completely, if there are any."""
+    moving: dict[int, list[int]] = {}
+    for k, component, _ in supports.set.motions:
+        moving.setdefault(k, []).append(component)
+    for k in supports.complete:
+        if int(k) in moving:
+            return Carrier(int(supports.set.nodes[k]), 1, np.eye(3))
+    for k, components in moving.items():
+        axes = supports.set.axes[k][[c for c in components if c < 3]]
+        if len(axes) and axes.any():
+            return Carrier(int(supports.set.nodes[k]), 0, axes.T @ axes)
+    return None
 
 
 def _size(increments: Floats, length: float) -> float:

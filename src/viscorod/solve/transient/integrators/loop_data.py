@@ -4,19 +4,17 @@ from __future__ import annotations
 
 from typing import Any, NamedTuple
 
-import numpy as np
-
 from viscorod.mechanics.elements.branch_memory import BranchMemory, BranchRows
 from viscorod.mechanics.elements.gauss_batch import PointFields
 from viscorod.mechanics.elements.geometric_element import Assembled
 from viscorod.mechanics.elements.internal_force import Elements
-from viscorod.mechanics.joints.joint_forces import JointLaws, JointStates
+from viscorod.mechanics.nodes.carried_motion import Carrier
 from viscorod.mechanics.nodes.load_courses import LoadCourses, LoadSums
 from viscorod.mechanics.nodes.motion_courses import MotionCourses
 from viscorod.mechanics.nodes.table_motions import TableMotions
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses
 from viscorod.solve.transient.integrators.branch_systems import Stiffened
-from viscorod.solve.transient.integrators.link_memory import LinkMemory
+from viscorod.solve.transient.integrators.loop_link_data import LoopLinks
 from viscorod.solve.transient.integrators.record_kernels import Between, Kept, Reading, StepEnd
 from viscorod.solve.transient.integrators.stage_data import StepStart
 from viscorod.typing import Floats, Integers
@@ -84,57 +82,6 @@ class LoopBranches(NamedTuple):
     memory: BranchMemory
     real: Stiffened
     pair: Stiffened
-
-
-class LinkRows(NamedTuple):
-    """Joints in the states of the records: values, rates and forces that they exert, and what they are closed to.
-
-    ``value``, ``rate``, ``force``, ``target``, ``target_rate`` and ``near`` are ``(rows, c)``, ``multiplier`` is
-    ``(rows, places)``.
-    """
-
-    value: Floats
-    rate: Floats
-    force: Floats
-    target: Floats
-    target_rate: Floats
-    near: Floats
-    multiplier: Floats
-
-    @classmethod
-    def of(cls, rows: int, coordinates: int, places: int) -> LinkRows:
-        """Allocate."""
-        value, rate, force, target, target_rate, near = np.zeros((6, rows, coordinates))
-        return cls(value, rate, force, target, target_rate, near, np.zeros((rows, places)))
-
-
-class LoopLinks(NamedTuple):
-    """Joints, springs and held strains.
-
-    Attributes:
-        memory: from step to step; whole: the same of a step that is tried again in halves.
-        motors: what drives coordinates, as motions of one support with so many components.
-        laws: there are none; alone, force: of one state, for Jacobians, the latter ``(1, n, 6)``.
-        start: the present state as one of one state; stiffness, damping: of springs ``(c,)``.
-        idle: multipliers without a condition, block and place in it ``(k, 2)``; unit: of displacements [m], and its
-            square.
-        closing: what records are closed with, a shared bundle; strains: whether strains are held; rows: of records.
-    """
-
-    memory: LinkMemory
-    whole: LinkMemory
-    motors: MotionCourses
-    laws: JointLaws
-    alone: JointStates
-    force: Floats
-    start: MovingPoses
-    stiffness: Floats
-    damping: Floats
-    idle: Integers
-    unit: Floats
-    closing: Any
-    strains: int
-    rows: LinkRows
 
 
 class HeldInPart(NamedTuple):
@@ -220,11 +167,20 @@ class LoopSystems(NamedTuple):
 
 
 class Follows(NamedTuple):
-    """The tolerance that follows a motion: its numbers, see ``amplitude``, and the poses where it began."""
+    """The tolerance that follows a motion.
+
+    Attributes:
+        numbers: see ``amplitude``; r, q: the poses where it began; carrier: what carries these along, if anything does.
+        carried_r, carried_q, relative_twist: scratch, see ``carry_along``.
+    """
 
     numbers: Floats
     r: Floats
     q: Floats
+    carrier: Carrier
+    carried_r: Floats
+    carried_q: Floats
+    relative_twist: Floats
 
 
 class LoopState(NamedTuple):
@@ -301,9 +257,9 @@ class Addresses(NamedTuple):
     """Where the kernels are, and Python functions, 0 where there is nothing for them to do.
 
     Kernels of Maxwell branches, of loads that see motion, of joints and held strains, and of supports that move, follow
-    tables, or hold nodes in part, are there where there are any. Python renews Jacobians where loads are unknown
-    functions of time, and prepares steps where loads or motions are; it says what these do between the stages if
-    anything has to be looked for.
+    tables, carry the rest along, or hold nodes in part, are there where there are any. Python renews Jacobians where
+    loads are unknown functions of time, and prepares steps where loads or motions are; it says what these do between
+    the stages if anything has to be looked for.
     """
 
     step: int
@@ -315,6 +271,7 @@ class Addresses(NamedTuple):
     place: int
     turn: int
     extent: int
+    carry: int
     end: int
     between: int
     adjoint: int

@@ -13,7 +13,7 @@ from viscorod.solve.transient.amplitude import (
     tolerance_now,
     usual_at,
 )
-from viscorod.solve.transient.integrators.kernel_results import EXTENT
+from viscorod.solve.transient.integrators.kernel_results import EXTENT, NOTHING
 from viscorod.solve.transient.integrators.loop_data import (
     EXPONENT,
     FACTOR,
@@ -23,19 +23,24 @@ from viscorod.solve.transient.integrators.loop_data import (
     TOLERANCE,
     StepLoop,
 )
+from viscorod.typing import Floats
 
 __all__ = ["follow", "tolerance_of"]
 
-_extent = returning(EXTENT)
+_extent, _carry = returning(EXTENT), returning(NOTHING)
 
 
 @exact_part
-def extent_of(run: StepLoop) -> tuple[float, float]:
-    """Return how far the last stage is from where the motion began, and how fast it is."""
-    stages, begun = run.model.task.stages, run.state.follows
-    last = stages.X.shape[0] - 1
-    where = (stages.r[last], stages.q[last], stages.twist[last])
-    found: tuple[float, float] = _extent(run.calls.extent, (begun.r, begun.q, *where, begun.numbers[LENGTH]))
+def extent_of(run: StepLoop, r: Floats, q: Floats, twist: Floats) -> tuple[float, float]:
+    """Return how far a state is from where the motion began, or was carried since, and how fast it is beside that."""
+    begun = run.state.follows
+    length = begun.numbers[LENGTH]
+    if run.calls.carry == 0:
+        still: tuple[float, float] = _extent(run.calls.extent, (begun.r, begun.q, r, q, twist, length))
+        return still
+    to = (begun.carried_r, begun.carried_q, begun.relative_twist)
+    _carry(run.calls.carry, (begun.carrier, begun.r, begun.q, r, q, twist, *to))
+    found: tuple[float, float] = _extent(run.calls.extent, (to[0], to[1], r, q, to[2], length))
     return found
 
 
@@ -47,7 +52,9 @@ def tolerance_of(run: StepLoop, end: float) -> float:
         return float(limits[TOLERANCE])
     if usual_at(numbers, end):
         return float(limits[SAFETY] * USUAL)
-    moved, speed = extent_of(run)
+    stages = run.model.task.stages
+    last = stages.X.shape[0] - 1
+    moved, speed = extent_of(run, stages.r[last], stages.q[last], stages.twist[last])
     return float(limits[SAFETY] * tolerance_after(numbers, end, moved, speed))
 
 
@@ -57,9 +64,9 @@ def follow(run: StepLoop, t: float) -> None:
     limits, numbers = run.limits, run.state.follows.numbers
     if limits[FOLLOWS] == 0.0:
         return
-    moved, speed = 0.0, 0.0
+    moved, speed, now = 0.0, 0.0, run.state.now
     if grows(numbers):
-        moved, speed = extent_of(run)
+        moved, speed = extent_of(run, now.r, now.q, now.twist)
     extend(numbers, t, moved, speed)
     change = limits[FACTOR] * tolerance_now(numbers) ** limits[EXPONENT]
     limits[NEWTON] = max(change, limits[FOLLOWS])
