@@ -528,6 +528,16 @@ def test_a_law_that_foretells_as_well_is_not_excluded_by_one_that_misses_the_mot
     assert told[0].endswith("flat_loss (AICc +35), kelvin_voigt (AICc +62).")
 
 
+def test_a_law_whose_search_did_not_come_to_rest_is_named_and_not_excluded():
+    names, merits = ["flat_loss", "kelvin_voigt", "elastic"], np.array([0.0, 35.0, 62.0])
+    steps = {"flat_loss": 0.0, "kelvin_voigt": 2.34, "elastic": 0.0}
+    told = law_sentences(names, merits, np.zeros(3), 47.0, {}, unsettled=steps)
+    assert told[0].startswith("The search did not come to rest with kelvin_voigt (2.3); in brackets")
+    assert told[1] == "Excluded by these data (47 effective values): elastic (AICc +62)."
+    settled = law_sentences(names, merits, np.zeros(3), 47.0, {}, unsettled=dict.fromkeys(names, 0.0))
+    assert settled[0].endswith("kelvin_voigt (AICc +35), elastic (AICc +62).")
+
+
 def test_a_clamp_that_only_gives_way_is_not_called_damping():
     names, merits = ["kelvin_voigt + clamp_loss", "kelvin_voigt"], np.array([0.0, 700.0])
     told = " ".join(law_sentences(names, merits, np.zeros(2), 300.0, {}, names[:1]))

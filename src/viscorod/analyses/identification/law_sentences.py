@@ -28,6 +28,7 @@ def law_sentences(
     undamped: Sequence[str] = (),
     *,
     misses: bool = False,
+    unsettled: Mapping[str, float] | None = None,
 ) -> list[str]:
     """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
 
@@ -41,9 +42,12 @@ def law_sentences(
         lost_outside: part of the lost energy that drag took, by law.
         undamped: laws whose clamp gives way, and whose damping there is not told from none.
         misses: whether the best law misses part of the motion.
+        unsettled: standard errors by which another step would move the numbers of each law, 0 where its search came to
+            rest.
     """
-    out = []
-    worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED]
+    away = {name for name, step in (unsettled or {}).items() if step}
+    out = _unsettled(unsettled or {})
+    worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED and names[k] not in away]
     open_ones = [k for k in worse if misses and errors.any() and errors[k] <= AS_WELL * errors[0]]
     excluded = [f"{names[k]} (AICc +{aicc[k]:.0f})" for k in worse if k not in open_ones]
     alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
@@ -72,6 +76,18 @@ def law_sentences(
         more = f" (times its error: {listed})" if listed else ""
         out.append(f"Of what was left out {names[first]} predicts best{more}.")
     return out
+
+
+def _unsettled(steps: Mapping[str, float]) -> list[str]:
+    """Return a sentence on laws whose search did not come to rest, so that they may fit better than is said."""
+    open_ones = [f"{name} ({step:.2g})" for name, step in steps.items() if step]
+    if not open_ones:
+        return []
+    return [
+        f"The search did not come to rest with {', '.join(open_ones)}; in brackets the standard errors by which "
+        "another step would move the numbers. The fit may be better than the table says, which excludes none of "
+        "these: give starts = 5."
+    ]
 
 
 def _outside(
