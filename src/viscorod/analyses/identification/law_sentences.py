@@ -13,6 +13,9 @@ __all__ = ["EXCLUDED", "law_sentences"]
 
 EXCLUDED, ALIKE = 10.0, 4.0
 """Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+FURTHER = 10.0
+"""Times the square of the step that another step of a search would go, in standard errors, by which a criterion may
+fall: the sum of squares falls by the square alone where it is a parabola."""
 AS_WELL = 1.1
 """Times the error of records left out, of the law that fits best, up to which another one foretells them as well."""
 OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
@@ -45,8 +48,9 @@ def law_sentences(
         unsettled: standard errors by which another step would move the numbers of each law, 0 where its search came to
             rest.
     """
-    away = {name for name, step in (unsettled or {}).items() if step}
-    out = _unsettled(unsettled or {})
+    steps = unsettled or {}
+    away = {name for k, name in enumerate(names) if aicc[k] <= EXCLUDED + FURTHER * steps.get(name, 0.0) ** 2}
+    out = _unsettled(steps, [name for k, name in enumerate(names) if name in away and aicc[k] > EXCLUDED])
     worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED and names[k] not in away]
     open_ones = [k for k in worse if misses and errors.any() and errors[k] <= AS_WELL * errors[0]]
     excluded = [f"{names[k]} (AICc +{aicc[k]:.0f})" for k in worse if k not in open_ones]
@@ -78,15 +82,16 @@ def law_sentences(
     return out
 
 
-def _unsettled(steps: Mapping[str, float]) -> list[str]:
+def _unsettled(steps: Mapping[str, float], not_excluded: Sequence[str]) -> list[str]:
     """Return a sentence on laws whose search did not come to rest, so that they may fit better than is said."""
     open_ones = [f"{name} ({step:.2g})" for name, step in steps.items() if step]
     if not open_ones:
         return []
     return [
         f"The search did not come to rest with {', '.join(open_ones)}; in brackets the standard errors by which "
-        "another step would move the numbers. The fit may be better than the table says, which excludes none of "
-        "these: give starts = 5."
+        "another step would move the numbers. The fit may be better than the table says"
+        + (f", which does not exclude {' and '.join(not_excluded)}" if not_excluded else "")
+        + ": give starts = 5."
     ]
 
 
