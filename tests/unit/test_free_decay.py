@@ -342,3 +342,26 @@ def test_damping_that_depends_on_the_amplitude_is_no_blow(kind):
         noise = lfilter([1.0], [1.0, -0.9], 5.0 * noise)
     found = vr.decay(times, size * np.cos(10 * np.pi * times) + noise)
     assert not any("sets it in motion again" in text for text in found.warnings)
+
+
+def test_pieces_of_a_decay_behind_an_amplifier_that_blocks_constants_have_its_ratio():
+    """A release by a, behind a first-order high pass: the rest is an exponential, in each piece nearly a line."""
+    rate, hertz, ratio = 500.0, 7.3, 0.012
+    times = np.arange(0.0, 3.0, 1.0 / rate)
+    pole = 2.0 * np.pi * hertz * (-ratio + 1j * np.sqrt(1.0 - ratio**2))
+    values = np.real(np.exp(pole * times)) - 0.9 * np.exp(-2.0 * np.pi * 0.5 * times)
+    values += 0.005 * np.random.default_rng(2).normal(size=len(times))
+    found = vr.decay(times, values, start=0.0)
+    ratios, widths = (found.data[name].values for name in ("piece_ratio", "piece_ratio_width"))
+    assert widths[0] < 4e-4
+    assert (np.abs(ratios - ratio) < 2.0 * widths).all()
+
+
+@pytest.mark.parametrize("seed", [1, 9], ids=["well", "by the interval"])
+def test_hum_is_called_so_however_well_its_ratio_is_told(seed):
+    """A swing that dies out within ten cycles, and a hum of 50 Hz for five seconds, little above the noise."""
+    times = np.arange(0.0, 5.0, 0.004)
+    values = 4.0 * np.exp(-2.0 * times) * np.cos(44.0 * times) + 0.1 * np.sin(2.0 * np.pi * 50.0 * times)
+    found = vr.decay(times, values + 0.06 * np.random.default_rng(seed).normal(size=len(times)), start=0.0)
+    assert found.frequencies == pytest.approx([44.0 / (2.0 * np.pi), 50.0], rel=2e-3)
+    assert any("does not die out: something else drives it" in one for one in found.warnings)

@@ -93,6 +93,20 @@ def test_runs_of_a_fit_share_what_does_not_change():
         np.testing.assert_array_equal(predicted, alone.predicted(tip, values))
 
 
+def test_of_samples_that_were_held_a_fit_takes_the_first():
+    """Each of 100 samples stands four times, as a slow converter holds it: held ones are a step and a half late."""
+    case, tip = swing(), history(swing())
+    times = np.linspace(0.0, tip.times[-1] + 0.75 * tip.interval, 400)
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": "tip"}
+    written = vr.Record(times, np.repeat(tip.values, 4), **about)
+    held, alone = (vr.identify(case, one, {YOUNG: 1.1e6}, profile=False) for one in (written, tip))
+    assert held.sentences[0].startswith("Every value of tip stands 4 times in a row (it was held)")
+    assert held.data.sizes["value"] == 100
+    assert held[YOUNG].low < 1e6 < held[YOUNG].high
+    assert held[YOUNG].value == pytest.approx(alone[YOUNG].value, rel=1e-6)
+    assert not any("in a row" in one for one in alone.sentences)
+
+
 @pytest.fixture(scope="module")
 def two_times():
     """The swing with both times unknown: bending tells one combination of them."""
@@ -526,6 +540,21 @@ def test_a_law_that_foretells_as_well_is_not_excluded_by_one_that_misses_the_mot
     assert told[0].endswith("flat_loss (AICc +35), kelvin_voigt (AICc +62).")
     told = law_sentences(names, merits, np.array([23.8, 30.0, 87.4]), 47.0, {}, misses=True)
     assert told[0].endswith("flat_loss (AICc +35), kelvin_voigt (AICc +62).")
+
+
+def test_a_law_whose_search_did_not_come_to_rest_is_named_and_not_excluded():
+    names, merits = ["flat_loss", "kelvin_voigt", "elastic"], np.array([0.0, 35.0, 62.0])
+    steps = {"flat_loss": 0.0, "kelvin_voigt": 2.34, "elastic": 0.0}
+    told = law_sentences(names, merits, np.zeros(3), 47.0, {}, unsettled=steps)
+    assert told[0].startswith("The search did not come to rest with kelvin_voigt (2.3); in brackets")
+    assert told[0].endswith("which does not exclude kelvin_voigt: give starts = 5.")
+    assert told[1] == "Excluded by these data (47 effective values): elastic (AICc +62)."
+    steps["kelvin_voigt"] = 1.1  # which takes a criterion down by some 1.2, and not by 25
+    told = law_sentences(names, merits, np.zeros(3), 47.0, {}, unsettled=steps)
+    assert told[0].endswith("The fit may be better than the table says: give starts = 5.")
+    assert "kelvin_voigt (AICc +35), elastic (AICc +62)" in told[1]
+    settled = law_sentences(names, merits, np.zeros(3), 47.0, {}, unsettled=dict.fromkeys(names, 0.0))
+    assert settled[0].endswith("kelvin_voigt (AICc +35), elastic (AICc +62).")
 
 
 def test_a_clamp_that_only_gives_way_is_not_called_damping():

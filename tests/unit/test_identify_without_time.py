@@ -111,6 +111,34 @@ def test_sign_and_unit_of_what_a_load_moved_are_named(change, words):
     assert fit.missed == ["strip.end"]
 
 
+@pytest.mark.parametrize("part", [0.1, 1.0])
+def test_a_zero_of_static_loads_that_is_off_is_named_with_its_size(part):
+    """By a tenth of the way a tenth of the modulus is wrong, and neighbours of so few points show nothing."""
+    loads, values, about = moved()
+    zero = part * float(np.ptp(values))
+    fit = vr.identify(LOADED, vr.StaticRecord(loads, values + zero, **about), {YOUNG: 60e9}, profile=False)
+    (sentence,) = told(fit, "give it unknown = ['offset']")
+    found = float(sentence.split("an offset of its zero of ")[1].split(" m,")[0])
+    assert found == pytest.approx(zero, abs=5e-5)
+    record = vr.StaticRecord(loads, values + zero, **about, unknown=["offset"])
+    right = vr.identify(LOADED, record, {YOUNG: 60e9}, profile=False)
+    assert right[YOUNG].low < 70e9 < right[YOUNG].high
+    assert not right.sentences
+
+
+def test_loads_in_kilograms_and_frequencies_in_radians_are_named():
+    """A modulus takes up any factor of a unit: the start tells it."""
+    loads, values, about = moved()
+    small = vr.StaticRecord(loads / 9.80665, values, **about)
+    fit = vr.identify(LOADED, small, {YOUNG: 69e9}, profile=False)
+    assert fit[YOUNG].value == pytest.approx(70e9 / 9.80665, rel=0.01)
+    assert told(fit, "the loads are in kg: give them in N")
+    turns = 2.0 * np.pi * run_case(MODES).frequencies[:3] * np.array([1.001, 1.0, 0.999])
+    fit = vr.identify(MODES, vr.ModesRecord(turns), {YOUNG: 68e9}, profile=False)
+    assert told(fit, "are 6.37 times those of the model as it was at the start"), fit.sentences
+    assert told(fit, "rad/s: divide them by 2 pi")
+
+
 def test_loads_in_grams_are_refused_with_what_full_load_is():
     loads, values, about = moved()
     with pytest.raises(

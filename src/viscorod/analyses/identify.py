@@ -27,6 +27,8 @@ from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.model.fields.definition import show
 from viscorod.one_thread import one_blas_thread
+from viscorod.records.held_samples import HELD, without_held
+from viscorod.records.motion_record import Record
 from viscorod.results.identification import Identification
 from viscorod.solve.estimation.intervals import Interval, intervals
 from viscorod.solve.estimation.least_squares import Scaled, searched
@@ -107,9 +109,11 @@ def identify(
     if isinstance(draws, bool) or not isinstance(draws, int) or draws < 0:
         raise InputError(Fault("draws", show(draws), "a whole number of at least 0 is needed", "give 2000"))
     pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
-    held = pairs_of(left_out, None) if left_out else []
-    require_laws([*pairs, *held], laws)
-    compared = compared_laws(fitted, pairs, wanted, other, laws, held, report) if laws else None
+    aside = pairs_of(left_out, None) if left_out else []
+    pairs, held = _without_held(pairs)
+    aside, held_aside = _without_held(aside)
+    require_laws([*pairs, *aside], laws)
+    compared = compared_laws(fitted, pairs, wanted, other, laws, aside, report) if laws else None
     if compared is not None:
         pairs, wanted = list(compared.pairs), dict(compared.parameters)
     found = fitted(
@@ -137,6 +141,8 @@ def identify(
     )
     units = {name: unit_of(found.members, name) for name in found.unknowns.names}
     sentences = [
+        *held,
+        *held_aside,
         *common_faults(found.members, found.estimate),
         *faults_without_time(found.members, found.estimate),
         *sentences_of(found.estimate, found.known, limits, told, units),
@@ -203,6 +209,17 @@ def pairs_of(case: Case | Pairs, records: Any) -> list[tuple[Case, Any]]:
     if faults:
         raise InputError(faults)
     return pairs
+
+
+def _without_held(pairs: Pairs) -> tuple[list[tuple[Case, Any]], list[str]]:
+    """Return pairs whose histories have the first of samples that were held, and a sentence on each that had."""
+    found, told = [], []
+    for case, record in pairs:
+        free, held = without_held(record) if isinstance(record, Record) else (record, 1)
+        found.append((case, free))
+        if held > 1:
+            told.append(f"Every value of {record.name} {HELD.format(held)}.")
+    return found, told
 
 
 def as_ranges(given: Mapping[str, Range] | Sequence[str]) -> dict[str, Range]:

@@ -171,8 +171,12 @@ def finite(where: str, values: Any, dims: int = 1) -> Floats:
     return found
 
 
-def increasing(where: str, values: Any) -> Floats:
+def increasing(where: str, values: Any, instead: str = "sort the samples, each once") -> Floats:
     """Return increasing numbers (n,).
+
+    Args:
+        where: of the argument, for messages; instead: what to do.
+        values: that are given.
 
     Raises:
         InputError: they do not increase; the message says from where on.
@@ -186,7 +190,7 @@ def increasing(where: str, values: Any) -> Floats:
                 f"{where}[{k}]",
                 f"{found[k]:g}",
                 f"it does not come after {found[k - 1]:g}",
-                "sort the samples, each once",
+                instead,
             )
         )
     return found

@@ -76,6 +76,10 @@ class Columns:
             fits = [k for k, own in enumerate(self.names) if (own, self.units[k]) == (name, unit)]
         if len(fits) == 1:
             return fits[0]
+        if not any(self.names):
+            raise self._refused(
+                key, wanted, "no names stand above the columns", f"give its number, 1 to {len(self.names)}"
+            )
         near = difflib.get_close_matches(str(wanted), self.names, n=1)
         listed = ", ".join(self.names[:12]) + (
             f" and {len(self.names) - 12} more" if len(self.names) > 12 else ""

@@ -31,12 +31,20 @@ FAINT = 0.2
 LASTING, MANY = 0.05, 20.0
 """Part by which a vibration dies out over the record, and its cycles, by which it is called a lasting one."""
 
+LASTING_AT_MOST = 0.3
+"""The same by the upper end of its interval, where that has zero in it, too."""
+
 
 def lasts(fit: SineFit) -> np.ndarray:
     """Return which modes (k,) do not die out within many cycles, as what something else drives."""
     span = float(fit.times[-1])
-    cycles = np.abs(fit.poles.imag) * span / (2.0 * np.pi)
-    return np.asarray((np.abs(fit.poles.real) * span < LASTING) & (cycles > MANY))
+    many = np.abs(fit.poles.imag) * span / (2.0 * np.pi) > MANY
+    lost = np.abs(fit.poles.real) * span
+    lasting = many & (lost < LASTING)
+    if (open_ones := many & ~lasting & (lost < LASTING_AT_MOST)).any():
+        width = fit.half_widths(0.95)[1] * np.abs(fit.poles) * span
+        lasting |= open_ones & (lost < width) & (lost + width < LASTING_AT_MOST)
+    return np.asarray(lasting)
 
 
 def doubts(

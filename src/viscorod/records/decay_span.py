@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter1d
 from viscorod.records.clipping import clipped_samples, resolution
 from viscorod.records.damped_sines import SineFit, residual_peak
 from viscorod.records.decay_fits import best_fit
-from viscorod.records.held_samples import held_for
+from viscorod.records.held_samples import HELD, without_held
 from viscorod.records.motion_record import Record
 from viscorod.records.stray_samples import LEAST, MOST, STEPS, dropouts, spikes
 from viscorod.records.sudden_change import changes_at
@@ -53,10 +53,7 @@ class DecaySpan:
     @classmethod
     def of(cls, record: Record, start: float | None, end: float | None) -> DecaySpan:
         """Return the span from the first passage through rest, or what was given."""
-        held, first = held_for(record.values)
-        if held > 1:
-            noise = None if record.noise is None else record.noise[first::held]
-            record = record.with_samples(record.times[first::held], record.values[first::held], noise)
+        record, held = without_held(record)
         dropped = dropouts(record.values, STEPS * resolution(record.values) / LEAST)
         whole = _without(record, dropped)
         begin = start_of(whole.times, whole.values) if start is None else float(start)
@@ -101,10 +98,7 @@ class DecaySpan:
         """Return what was left out, one sentence each."""
         found = []
         if self.held > 1:
-            found.append(
-                f"every value stands {self.held} times in a row (it was held): the first of them is used, and the "
-                "others are no samples"
-            )
+            found.append(f"every value {HELD.format(self.held)}")
         if self.stray:
             found.append(
                 f"{self.stray} sample{' stands' if self.stray == 1 else 's stand'} far off the others (spikes, or "

@@ -129,7 +129,7 @@ def _order(fit: SineFit) -> np.ndarray:
 
 def _pieces(fit: SineFit, mode: int, cycles: int | None) -> dict[str, Floats]:
     """Return amplitude, frequency and ratio of pieces of a few cycles of one mode, with half-widths of intervals."""
-    alone = fit.residual + fit.mode(mode) + fit.rest
+    alone = fit.residual + fit.mode(mode)  # what a rest that creeps leaves over is a line in each piece
     period = 2.0 * np.pi / fit.poles[mode].imag
     whole = int(fit.times[-1] / period)
     long = max(2, -(-whole // MOST_WINDOWS)) if cycles is None else cycles

@@ -23,6 +23,7 @@ __all__ = ["Record"]
 QUARTER_TURN = 0.5 * np.pi
 EVEN = 1e-3
 """Part of the interval by which samples of one rate may be off their place."""
+UNSORTED = "sort the samples, each once; of stamps that were rounded give even times, in read by rate"
 ROUNDED = tuple(10.0**-k for k in range(10))
 """Parts of a second to which stamps may be rounded; first and last one are off too, so that all may be by one part."""
 
@@ -78,7 +79,7 @@ class Record(AnyRecord):
                 Fault("place", repr(place), "no place of a model", "give one such as 'beam.end'")
             )
         where = f"record {name or place}"
-        self.times = increasing(f"{where}: times", times)
+        self.times = increasing(f"{where}: times", times, UNSORTED)
         self.values = finite(f"{where}: values", values)
         if len(self.values) != len(self.times):
             raise InputError(

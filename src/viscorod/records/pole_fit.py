@@ -86,8 +86,7 @@ def modal_fit(
         )
     hertz = listed[0].frequencies
     steps = np.diff(hertz)
-    if len(hertz) < 4 * LEAST or np.ptp(steps) > 1e-3 * float(steps.mean()):
-        raise InputError("the frequencies of a response must be evenly spaced, 16 at least")
+    _require_even(listed[0], steps)
     for one in listed[1:]:
         if len(one.frequencies) != len(hertz) or not np.allclose(one.frequencies, hertz):
             raise InputError(
@@ -123,6 +122,27 @@ def modal_fit(
         if not found
     ]
     return _result(hertz, listed, [found for found in modes if found], doubts, step, title)
+
+
+def _require_even(record: ResponseRecord, steps: Floats) -> None:
+    """Raise `InputError` unless lines are evenly spaced, and enough."""
+    where, hertz = f"record {record.name}: frequencies", record.frequencies
+    if len(hertz) < 4 * LEAST:
+        raise InputError(
+            Fault(
+                where, f"{len(hertz)} lines", f"a fit needs {4 * LEAST}", "give a wider band, or finer bins"
+            )
+        )
+    if np.ptp(steps) > 1e-3 * float(steps.mean()):
+        usual = float(np.median(steps))
+        k = int(np.argmax(np.abs(steps - usual)))
+        raise InputError(
+            Fault(
+                where, f"{hertz[k]:.6g}, {hertz[k + 1]:.6g}",
+                f"the lines must be evenly spaced, and most are {usual:.3g} Hz apart",
+                "give the lines on one side of a gap alone, or those of the analyser before they were thinned out",
+            )
+        )  # fmt: skip
 
 
 def _peaks(

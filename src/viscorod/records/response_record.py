@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any, ClassVar
 
 import numpy as np
@@ -12,6 +14,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
 from viscorod.records.columns import Columns, si_size
+from viscorod.records.one_sided import mirrored_from, one_sided
 from viscorod.records.other_files import columns_of
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
@@ -25,6 +28,10 @@ SCATTER = 40.0
 WINDOWS = ("exponential", "hann")
 EXCITATIONS = ("blow", "noise")
 DEGREE = float(np.pi / 180.0)
+_DECIBEL = re.compile(r"\s*dB\s*(?:\(?\s*re\.?:?\s*(.+?)\s*\)?)?\s*", re.IGNORECASE)
+_PHASE = re.compile(r"phase|angle|winkel|^arg\b|^phi\b|φ", re.IGNORECASE)
+_MAGNITUDE = re.compile(r"^mag|magnitude|betrag|^ampl|^abs\b|^\|", re.IGNORECASE)
+"""Names of columns of magnitudes and phases, in English and German."""
 
 
 def _angle(unit: str | None) -> float | None:
@@ -32,6 +39,32 @@ def _angle(unit: str | None) -> float | None:
     return {"deg": DEGREE, "degree": DEGREE, "degrees": DEGREE, "°": DEGREE, "rad": 1.0, "radians": 1.0}.get(
         (unit or "").strip().casefold()
     )
+
+
+def _phase_unit(
+    columns: Columns, places: Sequence[int], written: str | None, given: str | None
+) -> str | None:
+    """Return the unit of the second of two columns: that of an angle, or of imaginary parts.
+
+    Raises:
+        InputError: their names are those of a magnitude and a phase, of which no unit is told; or it is no angle.
+    """
+    name = columns.names[places[1]]
+    if given is not None:
+        if _angle(given) is None:
+            raise InputError(Fault("phase_unit", repr(given), "it is no unit of an angle", "give deg or rad"))
+        if written is not None and _angle(written) != _angle(given):
+            why = f"the source says {written!r} of column {name}"
+            raise InputError(Fault(f"{columns.source}: phase_unit", repr(given), why, "leave it out"))
+        return given
+    if written is None and (_PHASE.search(name) or _MAGNITUDE.search(columns.names[places[0]])):
+        raise InputError(
+            Fault(
+                f"{columns.source}: value", repr(name), "of a phase its unit is needed",
+                "write it beside the name, or give phase_unit = 'deg' or 'rad'",
+            )
+        )  # fmt: skip
+    return written
 
 
 def _plain(columns: Columns, column: str | int) -> str | None:
@@ -171,6 +204,15 @@ class ResponseRecord(AnyRecord):
             raise InputError(
                 Fault(f"{where}: frequencies", "", "a frequency is negative", "give the positive ones")
             )
+        mirrored = mirrored_from(self.frequencies, given)
+        if mirrored is not None:
+            raise InputError(
+                Fault(
+                    f"{where}: frequencies", f"{self.frequencies[mirrored]:g}",
+                    "the lines from there on are the mirror of those below: it is a spectrum with two sides",
+                    f"give the first {mirrored} lines",
+                )
+            )  # fmt: skip
         self.output, self.source = output, source
         self.window, self.window_time, self.excitation = window, window_time, excitation
         _require_window(where, window, window_time, excitation)
@@ -196,6 +238,7 @@ class ResponseRecord(AnyRecord):
         frequency: str | int = 1,
         unit: str | None = None,
         frequency_unit: str | None = None,
+        phase_unit: str | None = None,
         coherence: str | int | None = None,
         **more: Any,
     ) -> ResponseRecord:
@@ -206,10 +249,13 @@ class ResponseRecord(AnyRecord):
             value: a complex column; or two: real and imaginary part, or magnitude and phase where the second one is an
                 angle (deg, rad). A magnitude in dB needs the unit that it is over.
             frequency: column of the frequencies, by name or number from 1.
-            unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say.
-            frequency_unit: where the source does not say.
+            unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say; of decibels what 0 dB
+                are, or "dB re 1 g/N".
+            frequency_unit, phase_unit: where the source does not say; of a phase "deg" or "rad".
             coherence: column of the coherence; it needs `averages`.
             more: all else that a `ResponseRecord` has.
+
+        Of a spectrum with two sides the lines from 0 Hz on are read; a line at 0 Hz without a number is left out.
 
         Raises:
             InputError: it cannot be read, a column or a unit is missing.
@@ -232,9 +278,15 @@ class ResponseRecord(AnyRecord):
             )
         told = [columns.units[k] for k in places]
         numbers = [columns.values[:, k] for k in places]
+        if len(places) > 1:
+            told[1] = _phase_unit(columns, places, told[1], phase_unit)
         turn = _angle(told[1]) if len(places) > 1 else None
-        decibel = turn is not None and str(told[0]).strip().casefold() == "db"
-        written = set(told[:1] if turn is not None else told) - ({told[0]} if decibel else set())
+        if turn is not None and unit is not None and _DECIBEL.fullmatch(unit):
+            told[0], unit = unit, None
+        decibel = _DECIBEL.fullmatch(str(told[0])) if turn is not None else None
+        if decibel is not None:
+            told[0] = decibel[1]
+        written = set(told[:1] if turn is not None else told)
         if unit is not None:
             written = {unit}
         if written in (set(), {None}) or len(written) > 1:
@@ -252,9 +304,13 @@ class ResponseRecord(AnyRecord):
             values = magnitude * np.exp(1j * turn * numbers[1].real)
         else:
             values = numbers[0] + (1j * numbers[1] if len(places) > 1 else 0.0)
+        hertz = columns.si("frequency", frequency, "Hz", frequency_unit)
+        kept = np.isfinite(values) | (hertz != 0.0)
+        kept[kept] = one_sided(columns.source, hertz[kept], values[kept])
         if coherence is not None:
+            columns = replace(columns, values=columns.values[kept])
             more["coherence"] = columns.si("coherence", coherence, "1", _plain(columns, coherence))
-        return cls(columns.si("frequency", frequency, "Hz", frequency_unit), size * values, **more)
+        return cls(hertz[kept], size * values[kept], **more)
 
     @property
     def axes(self) -> tuple[tuple[str, str], ...]:

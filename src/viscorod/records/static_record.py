@@ -55,7 +55,9 @@ class StaticRecord(AnyRecord):
         name: str | None = None,
     ) -> None:
         where = f"record {name or place}"
-        self.loads = increasing(f"{where}: loads", loads)
+        self.loads = increasing(
+            f"{where}: loads", loads, "sort the loads, each once; loading and unloading are two records"
+        )
         self.values = self.observed = finite(f"{where}: values", values)
         if len(self.values) != len(self.loads):
             raise InputError(

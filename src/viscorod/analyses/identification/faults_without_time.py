@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
+from scipy import stats
 from scipy.optimize import linear_sum_assignment
 from scipy.signal import find_peaks
 
@@ -44,6 +45,24 @@ MOST_MOVED = 2.0
 """Ratio by which the peaks of a model may be elsewhere."""
 OPPOSITE = -0.8
 """Correlation of what was measured and what the model says below which they go to opposite sides."""
+BY_CHANCE = 1e-3
+"""Probability below which it is not by chance that an offset explains what is left."""
+OF_UNIT = 0.04
+"""Relative distance from the factor of a unit within which it is named."""
+TURN, GRAVITY = 2.0 * np.pi, 9.80665
+FREQUENCY_UNITS = {
+    TURN: "these are angular frequencies in rad/s: divide them by 2 pi",
+    60.0: "these are turns per minute: divide them by 60",
+    1e-3: "these are in kHz",
+}
+"""Sizes of frequencies over those of the model, and what they may be."""
+LOAD_UNITS = {
+    GRAVITY: "the loads are in kg: give them in N",
+    GRAVITY * 1e-3: "the loads are in g: give them in N",
+    1e3: "the values are in thousandths of their unit (mm), or the loads in thousands of theirs (kN)",
+    1e-3: "the loads are in thousandths of their unit (mN)",
+}
+"""Sizes of what moved over that of the model, and what they may be."""
 KINDS = {
     -2: "second integral (a displacement where the case has an acceleration)",
     -1: "integral (a displacement where the case has a velocity, or a velocity where it has an acceleration)",
@@ -62,16 +81,24 @@ def faults_without_time(members: Sequence[Member], best: Estimate) -> list[str]:
         dict(zip(unknowns.names, map(float, values), strict=True))
         for values in (best.values, unknowns.values(unknowns.start))
     )
+    begin = 0
     for member in members:
         for record in member.records:
+            rows = slice(begin, begin + len(record.observed))
+            begin = rows.stop
             if isinstance(record, ResponseRecord):
                 found += _of_response(member, record, fitted, first, much=record.name in doubtful)
+            if isinstance(record, ModesRecord | StaticRecord):
+                found += _of_units(record, member.predicted(record, first))
             if not doubtful & {record.name, f"{record.name}: frequencies"}:
+                if isinstance(record, StaticRecord):
+                    found += _of_zero(record, best, rows)
                 continue
             if isinstance(record, ModesRecord):
                 found += _of_modes(record, [member.compared(record, named) for named in (fitted, first)])
             elif isinstance(record, StaticRecord):
-                found += _of_loads(record, member.predicted(record, fitted))
+                said = list(_of_loads(record, member.predicted(record, fitted)))
+                found += said or _of_zero(record, best, rows)
     return found
 
 
@@ -99,7 +126,8 @@ def _of_response(
         model = values[:count] + 1j * values[count:]
         if not (good & (np.abs(model) > 0.0)).any():
             continue
-        if round_about * _area(model) < -(LOOP**2):
+        # what dissipates goes round clockwise; a fit that finds the opposite ends without damping
+        if round_about * _area(model) < -(LOOP**2) or (round_about > LOOP and abs(_area(model)) < LOOP):
             yield _conjugate(record)
             return
         if not much:
@@ -246,6 +274,55 @@ def _of_modes(record: ModesRecord, results: Sequence[Any]) -> Iterator[str]:
                 f"{[k + 1 for k in order]}."
             )
             return
+
+
+def _of_units(record: ModesRecord | StaticRecord, predicted: Floats) -> Iterator[str]:
+    """Compare sizes with the model as it was at the start: a modulus that is sought takes up any factor of a unit."""
+    if isinstance(record, ModesRecord):
+        count = len(record.frequencies)
+        if "clock" in {one.name for one in record.nuisances.values()}:
+            return
+        ratios = np.log(record.frequencies / predicted[:count])
+        ratio, listed = float(np.median(ratios)), FREQUENCY_UNITS
+        if float(np.ptp(ratios)) > OF_UNIT:
+            return
+        what, verb, those = "The frequencies of", "are", "those"
+    else:
+        known = {one.name for one in record.nuisances.values()}
+        ranges = float(np.ptp(record.values)), float(np.ptp(predicted))
+        if "gain" in known or min(ranges) == 0.0:
+            return
+        ratio, listed = float(np.log(ranges[0] / ranges[1])), LOAD_UNITS
+        what, verb, those = "The way in", "is", "that"
+    for size, reason in listed.items():
+        if abs(ratio - np.log(size)) < OF_UNIT:
+            yield (
+                f"{what} {record.name} {verb} {np.exp(ratio):.3g} times "
+                f"{those} of the model as it was at the start: if that was not far off, {reason}."
+            )
+            return
+
+
+def _of_zero(record: StaticRecord, best: Estimate, rows: slice) -> Iterator[str]:
+    """Tell whether an offset, that is not sought, explains more of what is left than chance does (F test)."""
+    if "offset" in {one.name for one in record.nuisances.values()}:
+        return
+    slopes, left = best.slopes[rows], best.residuals[rows]
+    known = slopes[:, np.abs(slopes).max(axis=0) > 0.0]
+    q = np.linalg.qr(known / np.linalg.norm(known, axis=0))[0]
+    own = np.ones(len(left))
+    left, own = left - q @ (q.T @ left), own - q @ (q.T @ own)
+    free, size, total = len(left) - q.shape[1] - 1, float(own @ own), float(left @ left)
+    if free < 2 or size < 1e-6 * len(left) or total == 0.0:
+        return
+    offset = float(own @ left) / size
+    share = min(offset * offset * size / total, 1.0 - 1e-12)
+    if share > EXPLAINED and float(stats.f.sf(share / (1.0 - share) * free, 1, free)) < BY_CHANCE:
+        zero = "" if record.quantity != "displacement" else ", or a load that was there before"
+        yield (
+            f"{100.0 * share:.0f} % of what is left of {record.name} is what an offset of its zero of {offset:.3g} "
+            f"{record.axes[0][1]}{zero}, would leave: if it may have one, give it unknown = ['offset']."
+        )
 
 
 def _of_loads(record: StaticRecord, predicted: Floats) -> Iterator[str]:

@@ -13,6 +13,9 @@ __all__ = ["EXCLUDED", "law_sentences"]
 
 EXCLUDED, ALIKE = 10.0, 4.0
 """Difference of Akaike's criterion from which on a law is called excluded, and up to which it is called as good."""
+FURTHER = 10.0
+"""Times the square of the step that another step of a search would go, in standard errors, by which a criterion may
+fall: the sum of squares falls by the square alone where it is a parabola."""
 AS_WELL = 1.1
 """Times the error of records left out, of the law that fits best, up to which another one foretells them as well."""
 OUTSIDE = {"air_drag": "the air", "clamp_loss": "the clamp"}
@@ -28,6 +31,7 @@ def law_sentences(
     undamped: Sequence[str] = (),
     *,
     misses: bool = False,
+    unsettled: Mapping[str, float] | None = None,
 ) -> list[str]:
     """Return what the comparison says in words: what is excluded, what is not the material's, what predicts best.
 
@@ -41,9 +45,13 @@ def law_sentences(
         lost_outside: part of the lost energy that drag took, by law.
         undamped: laws whose clamp gives way, and whose damping there is not told from none.
         misses: whether the best law misses part of the motion.
+        unsettled: standard errors by which another step would move the numbers of each law, 0 where its search came to
+            rest.
     """
-    out = []
-    worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED]
+    steps = unsettled or {}
+    away = {name for k, name in enumerate(names) if aicc[k] <= EXCLUDED + FURTHER * steps.get(name, 0.0) ** 2}
+    out = _unsettled(steps, [name for k, name in enumerate(names) if name in away and aicc[k] > EXCLUDED])
+    worse = [k for k in range(len(names)) if aicc[k] > EXCLUDED and names[k] not in away]
     open_ones = [k for k in worse if misses and errors.any() and errors[k] <= AS_WELL * errors[0]]
     excluded = [f"{names[k]} (AICc +{aicc[k]:.0f})" for k in worse if k not in open_ones]
     alike = [name for k, name in enumerate(names) if aicc[k] <= ALIKE]
@@ -72,6 +80,19 @@ def law_sentences(
         more = f" (times its error: {listed})" if listed else ""
         out.append(f"Of what was left out {names[first]} predicts best{more}.")
     return out
+
+
+def _unsettled(steps: Mapping[str, float], not_excluded: Sequence[str]) -> list[str]:
+    """Return a sentence on laws whose search did not come to rest, so that they may fit better than is said."""
+    open_ones = [f"{name} ({step:.2g})" for name, step in steps.items() if step]
+    if not open_ones:
+        return []
+    return [
+        f"The search did not come to rest with {', '.join(open_ones)}; in brackets the standard errors by which "
+        "another step would move the numbers. The fit may be better than the table says"
+        + (f", which does not exclude {' and '.join(not_excluded)}" if not_excluded else "")
+        + ": give starts = 5."
+    ]
 
 
 def _outside(

@@ -221,6 +221,7 @@ def compared_laws(
             lost,
             undamped,
             misses=bool(missed(done[0].found.estimate)),
+            unsettled={one.name: one.found.estimate.unsettled for one in done},
         ),
         *foretold_sentences(told, apart, names[0]),
         *amplitude_sentences(swings_of(pairs), swings, names[0]),

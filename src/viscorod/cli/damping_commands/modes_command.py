@@ -22,8 +22,8 @@ def modes(
     value: Annotated[
         list[str],
         typer.Option(
-            help="Column of a complex response, or REAL,IMAGINARY; by name or number from 1. Several responses are one "
-            "fit."
+            help="Column of a complex response, or REAL,IMAGINARY, or MAGNITUDE,PHASE; by name or number from 1. "
+            "Several responses are one fit."
         ),
     ],
     frequency: Annotated[
@@ -39,6 +39,12 @@ def modes(
         str | None,
         typer.Option(
             "--frequency-unit", help="Of the frequencies, where the file does not say.", show_default=False
+        ),
+    ] = None,
+    phase_unit: Annotated[
+        str | None,
+        typer.Option(
+            "--phase-unit", help="Of a phase, deg or rad, where the file does not say.", show_default=False
         ),
     ] = None,
     band: Annotated[
@@ -77,6 +83,7 @@ def modes(
             "frequency": column(frequency),
             "unit": unit,
             "frequency_unit": frequency_unit,
+            "phase_unit": phase_unit,
             "excitation": excitation,
         }
         if window is not None:

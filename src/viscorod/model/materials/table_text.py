@@ -35,7 +35,11 @@ _NO_NUMBER = (
     "1.#ind",
     "-1.#ind",
 )
-MISSING = ("", *_NONE, *_NO_NUMBER)
+_TOO_LARGE = (
+    *("inf", "+inf", "-inf", "infinity", "-infinity", "∞", "-∞", "1.#inf", "-1.#inf"),
+    *("ovl", "ol", "over", "overload", "overflow", "ovrng"),
+)
+MISSING = ("", *_NONE, *_NO_NUMBER, *_TOO_LARGE)
 """Cells, in small letters, that say that a point was not measured."""
 
 
