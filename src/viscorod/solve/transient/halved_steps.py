@@ -11,7 +11,6 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field
 from functools import cached_property
-from typing import NamedTuple
 
 import numpy as np
 
@@ -24,33 +23,10 @@ from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.integrators.contract import Integrator
 from viscorod.solve.transient.saved_state import hand_over
 from viscorod.solve.transient.trial_choice import FARTHEST, FIRST, LONGER, PART, SETTLED
+from viscorod.solve.transient.tried_steps import Reached, Several, TriedStep
 from viscorod.typing import Floats
 
-__all__ = ["HalvedSteps", "Reached", "Trials", "TriedStep"]
-
-
-class Reached(NamedTuple):
-    """A state, and the section forces ``(m, 6)`` in it."""
-
-    state: State
-    section_force: Floats
-
-
-class TriedStep(NamedTuple):
-    """A step that was computed again in halves.
-
-    Attributes:
-        end, h: when it ends, and its length [s]; before: body twists at its start ``(n, 6)``.
-        middle, whole: by the step itself, at its middle and at its end; better_middle, better: by the halves.
-    """
-
-    end: float
-    h: float
-    before: Floats
-    middle: Reached
-    whole: Reached
-    better_middle: Reached
-    better: Reached
+__all__ = ["HalvedSteps", "Trials"]
 
 
 @dataclass
@@ -253,9 +229,9 @@ class HalvedSteps:
             if not twin.attempt(at, before=limit).converged:
                 return
             twin.accept()
-            halves.append(_reached(twin))
+            halves.append(Reached.at(twin))
         inside = Reached(middle.state, middle.section_force)
-        self.take(number, TriedStep(end, h, before.twist.copy(), inside, _reached(integrator), *halves))
+        self.take(number, TriedStep(end, h, before.twist.copy(), inside, Reached.at(integrator), *halves))
 
     def take(self, number: int, step: TriedStep) -> None:
         """Take the difference of a step, by its number, from its halves as its error; it has been counted."""
@@ -271,7 +247,7 @@ class HalvedSteps:
         """Work out what steps err by."""
         trials = self._trials
         _, _, _, *columns = zip(*steps, strict=True)
-        middle, whole, better_middle, better = map(_Several.of, columns)
+        middle, whole, better_middle, better = map(Several.of, columns)
         self.states += [(step.end, step.better.state) for step in steps]
         within = np.abs(self._away(middle, better_middle)).max(axis=0)
         if self.strains:
@@ -283,7 +259,7 @@ class HalvedSteps:
         lacking = _largest(whole.section_force - better.section_force)
         trials.apart = np.maximum(trials.apart, lacking / self.seen)
 
-    def _compare(self, steps: list[TriedStep], whole: _Several, better: _Several) -> None:
+    def _compare(self, steps: list[TriedStep], whole: Several, better: Several) -> None:
         """Take the errors of steps apart, mode by mode."""
         before = np.array([step.before for step in steps])
         pose = self._away(whole, better)
@@ -323,31 +299,12 @@ class HalvedSteps:
         trials.moved = np.maximum(trials.moved, [math.sqrt(far), 2.0 * math.sqrt(chord.max())])
         trials.forces = np.maximum(trials.forces, _largest(section_force))
 
-    def _away(self, states: _Several, better: _Several) -> Floats:
+    def _away(self, states: Several, better: Several) -> Floats:
         """Return by how much the poses of states differ from better ones, body increments ``(k, n, 6)``."""
         pose = np.empty((*states.r.shape[:2], 6))
         rows = [field.reshape(-1, field.shape[2]) for field in (better.r, better.q, states.r, states.q, pose)]
         self._differences.call(*rows)
         return pose
-
-
-class _Several(NamedTuple):
-    """Several states ``(k, n, ...)``, and the section forces in them ``(k, m, 6)``."""
-
-    r: Floats
-    q: Floats
-    twist: Floats
-    section_force: Floats
-
-    @classmethod
-    def of(cls, reached: tuple[Reached, ...]) -> _Several:
-        fields = [(state.r, state.q, state.twist, force) for state, force in reached]
-        return cls(*(np.array(rows) for rows in zip(*fields, strict=True)))
-
-
-def _reached(integrator: Integrator) -> Reached:
-    """Return where an integrator is, in arrays of its own: the integrator goes on."""
-    return Reached(integrator.state.copy(), integrator.section_force.copy())
 
 
 def _largest(section_force: Floats) -> Floats:

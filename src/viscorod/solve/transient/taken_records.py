@@ -12,9 +12,9 @@ from viscorod.solve.constraints.constraints import JointState
 from viscorod.solve.energy_account import EnergiesKnown, EnergyAccount, energies_within
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Records, Snapshot, Snapshots
-from viscorod.solve.transient.halved_steps import Reached, TriedStep
 from viscorod.solve.transient.integrators import loop_data
 from viscorod.solve.transient.integrators.radau import Radau
+from viscorod.solve.transient.tried_steps import Reached, TriedStep
 from viscorod.typing import Floats
 
 __all__ = ["Taken", "TakenRecords"]
