@@ -126,7 +126,7 @@ def test_nodes_that_turn_little_have_the_verdict_of_all(monkeypatch):
         old, new = State.reference(problem), State.reference(problem)
         for state in (old, new):
             vectors = size * random.uniform(-1.0, 1.0, (problem.size, 3))
-            state.q[:] = product(state.q, Rotation.from_rotvec(vectors).as_quat(scalar_first=True))
+            state.q[:] = product(state.q, np.roll(Rotation.from_rotvec(vectors).as_quat(), 1, axis=-1))
         quick = turns.jumped(old, new)
         with monkeypatch.context() as change:
             change.setattr(node_turns, "SURELY_SMALL", 2.0)
