@@ -121,3 +121,29 @@ def test_no_model_is_compared_with_a_windowed_response():
     record = vr.ResponseRecord(hertz, np.ones(5, dtype=complex), window="hann")
     with pytest.raises(vr.InputError, match="take its modes by viscorod"):
         record.predicted(response)
+
+
+def test_an_exponential_window_on_a_decay_is_taken_off_its_ratios():
+    """Times exp(-t/0.5 s): 2.00 1/s more than each mode's own rate; a hum dies out by it, and is still none."""
+    times = np.arange(0.0, 2.0, 0.002)
+    modes = ((12.0, 0.004), (31.0, 0.01))
+    own = sum(
+        np.exp(-ratio * 2.0 * np.pi * hertz * times)
+        * np.cos(2.0 * np.pi * hertz * np.sqrt(1.0 - ratio**2) * times)
+        for hertz, ratio in modes
+    )
+    values = np.exp(-times / 0.5) * (own + 0.05 * np.sin(2.0 * np.pi * 50.0 * times))
+    values = values + 3e-4 * np.random.default_rng(1).normal(size=len(times))
+    found = vr.decay(times, values, start=0.0, window_time=0.5)
+    widths = found.data["damping_ratio_width"].values
+    for k, (hertz, ratio) in enumerate(modes):
+        assert found.frequencies[k] == pytest.approx(hertz, rel=1e-4)
+        assert abs(found.damping_ratios[k] - ratio) < 1.5 * widths[k] < 2e-4
+    assert any("not die out: something else drives it" in one for one in found.warnings)
+    decayed = found.data["piece_amplitude"].values
+    rate = -np.polyfit(found.data["piece_time"].values, np.log(decayed), 1)[0]
+    assert rate == pytest.approx(0.004 * 2.0 * np.pi * 12.0, rel=0.05)
+    plain = vr.decay(times, values, start=0.0)
+    assert plain.damping_ratios[0] == pytest.approx(0.004 + 2.0 / (2.0 * np.pi * 12.0), rel=0.01)
+    with pytest.raises(vr.InputError, match="a time constant is positive"):
+        vr.decay(times, values, window_time=0.0)

@@ -50,6 +50,7 @@ class SineFit:
         freedom: samples less fitted numbers.
         noise: standard deviation of the residual.
         resting: "constant", "sloping", "relaxing" or "curved".
+        weighed: decay rate that an exponential window added to all, 1/s; frequencies and ratios are without it.
     """
 
     poles: np.ndarray
@@ -63,6 +64,12 @@ class SineFit:
     freedom: int
     noise: float
     resting: str
+    weighed: float = 0.0
+
+    @property
+    def own_poles(self) -> np.ndarray:
+        """The poles without what a window added (k,)."""
+        return self.poles + self.weighed
 
     @cached_property
     def information(self) -> float:
@@ -91,12 +98,12 @@ class SineFit:
     @property
     def frequencies(self) -> Floats:
         """Natural frequencies, Hz (k,)."""
-        return np.asarray(np.abs(self.poles) / (2.0 * np.pi))
+        return np.asarray(np.abs(self.own_poles) / (2.0 * np.pi))
 
     @property
     def ratios(self) -> Floats:
         """Damping ratios (k,)."""
-        return np.asarray(-self.poles.real / np.abs(self.poles))
+        return np.asarray(-self.own_poles.real / np.abs(self.own_poles))
 
     def half_widths(self, level: float, alike: SeriesNoise | None = None) -> tuple[Floats, Floats]:
         """Return half the widths of intervals of natural frequencies [Hz] and of damping ratios, (k,) each.
@@ -106,7 +113,8 @@ class SineFit:
             alike: noise whose colour is taken where there are too few samples for an own one.
         """
         known = self.told if alike is None else FitNoise.of(self.residual, self.slopes, self.mixing, alike)
-        size, sigma, omega = np.abs(self.poles), -self.poles.real, self.poles.imag
+        poles = self.own_poles
+        size, sigma, omega = np.abs(poles), -poles.real, poles.imag
         count = len(size)
         frequency, ratio = np.zeros((count, 2 * count)), np.zeros((count, 2 * count))
         at = np.arange(count)

@@ -39,7 +39,7 @@ def lasts(fit: SineFit) -> np.ndarray:
     """Return which modes (k,) do not die out within many cycles, as what something else drives."""
     span = float(fit.times[-1])
     many = np.abs(fit.poles.imag) * span / (2.0 * np.pi) > MANY
-    lost = np.abs(fit.poles.real) * span
+    lost = np.abs(fit.own_poles.real) * span
     lasting = many & (lost < LASTING)
     if (open_ones := many & ~lasting & (lost < LASTING_AT_MOST)).any():
         width = fit.half_widths(0.95)[1] * np.abs(fit.poles) * span

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -40,6 +41,7 @@ def decay(
     end: float | None = None,
     modes: int | None = None,
     cycles: int | None = None,
+    window_time: float | None = None,
 ) -> Decay:
     """Take a free decay apart: frequencies, damping ratios with 95 % intervals, and both by amplitude.
 
@@ -55,6 +57,8 @@ def decay(
         start, end: of the decay, s; by default from the first passage through rest after the largest deviation.
         modes: number of modes; left out, as many as the record shows, at most 6.
         cycles: per piece; left out, 2 or more, for 12 pieces at most.
+        window_time: time constant of an exponential window that the record was multiplied by, s: at the end of a record
+            of length T where it is down to the part p this is -T/ln p. Ratios and amplitudes are without it.
 
     Raises:
         InputError: the record does not swing, or is too short.
@@ -63,6 +67,10 @@ def decay(
     for key, number, most in (("modes", modes, MOST_MODES), ("cycles", cycles, 10_000)):
         if number is not None and not (isinstance(number, int) and 1 <= number <= most):
             raise InputError(Fault(key, repr(number), "no such number", f"give 1 to {most}"))
+    if window_time is not None and not 0.0 < window_time < np.inf:
+        raise InputError(
+            Fault("window_time", f"{window_time:g}", "a time constant is positive", "give it in s")
+        )
     span = DecaySpan.of(record, start, end)
     if len(span.part.times) < FEWEST:
         raise InputError(
@@ -71,7 +79,7 @@ def decay(
                 f"a decay needs {FEWEST} at least", "give start and end, or a record with more samples",
             )
         )  # fmt: skip
-    return fitted_decay(span, modes, cycles)
+    return fitted_decay(span, modes, cycles, 0.0 if window_time is None else 1.0 / window_time)
 
 
 def _record_of(source: Any, values: Any, place: str | None, direction: Direction | None) -> Record:
@@ -99,8 +107,13 @@ def _record_of(source: Any, values: Any, place: str | None, direction: Direction
     )
 
 
-def fitted_decay(span: DecaySpan, modes: int | None, cycles: int | None) -> Decay:
-    """Return the decay of a part of a record, which is narrowed until it is one free decay; see `decay`."""
+def fitted_decay(span: DecaySpan, modes: int | None, cycles: int | None, weighed: float = 0.0) -> Decay:
+    """Return the decay of a part of a record, which is narrowed until it is one free decay; see `decay`.
+
+    Args:
+        span: the part; modes, cycles: as there.
+        weighed: decay rate of an exponential window, 1/s.
+    """
     while True:
         part = span.part
         first, last = float(part.times[0]), float(part.times[-1])
@@ -116,6 +129,7 @@ def fitted_decay(span: DecaySpan, modes: int | None, cycles: int | None) -> Deca
                 f"record {part.name}: no motion that swings about a rest, and does not grow, was found from {first:g} "
                 f"to {last:g} s; cut a window in which it swings freely for two cycles or more"
             )
+        fit = replace(fit, weighed=weighed) if weighed else fit
         order = _order(fit)
         return _result(span, fit, order, _pieces(fit, int(order[0]), cycles))
 
@@ -143,10 +157,11 @@ def _pieces(fit: SineFit, mode: int, cycles: int | None) -> dict[str, Floats]:
         if piece is None or abs(piece.poles[0].imag - fit.poles[mode].imag) > 0.3 * fit.poles[mode].imag:
             break
         middle = float(np.mean(fit.times[inside]))
+        piece = replace(piece, weighed=fit.weighed) if fit.weighed else piece
         size = abs(piece.amplitudes[0]) * np.exp(piece.poles[0].real * (middle - fit.times[inside][0]))
         if size < ABOVE_NOISE * max(fit.noise, piece.noise):
             break
-        found.append((middle, float(size), piece))
+        found.append((middle, float(size * np.exp(fit.weighed * middle)), piece))
     columns: dict[str, list[float]] = {name: [] for name in PIECE}
     for middle, size, piece in found:
         wide, wider = (float(column[0]) for column in piece.half_widths(CONFIDENCE, fit.told.noise))

@@ -44,6 +44,14 @@ def decay(
         int | None,
         typer.Option(help="Per piece of the table by amplitude [default: 2 or more]", show_default=False),
     ] = None,
+    window_time: Annotated[
+        OptionalNumber,
+        typer.Option(
+            "--window-time",
+            help="Time constant of an exponential window on the record, s [default: none]",
+            show_default=False,
+        ),
+    ] = None,
     output: Annotated[
         Path | None, output_option("DIR", "Write decay.nc and decay.png there [default: print only]")
     ] = None,
@@ -64,7 +72,7 @@ def decay(
             direction="stretch" if quantity == "strain" else "x",
             name=f"{file.name}, {value}",
         )
-        found = taken_apart(record, start=start, end=end, modes=modes, cycles=cycles)
+        found = taken_apart(record, start=start, end=end, modes=modes, cycles=cycles, window_time=window_time)
         if output is None:
             told(found)
             return
