@@ -441,3 +441,20 @@ def test_turns_of_a_spring_that_would_touch_are_told():
         assert (gap < 0.99 * 0.002) == told
         for text in texts:
             assert float(re.search("as near as ([0-9.e-]+) m", text)[1]) == pytest.approx(gap, abs=2e-5)
+
+
+def test_turns_that_touch_in_a_motion_are_told(tmp_path):
+    """A spring that is held pressed, and let go at once, has touching turns at its start alone."""
+    steel = vr.Material(2.06e11, 0.3, 7850.0)
+    model = vr.Model()
+    section = vr.Circle(0.001)
+    model.add("spring", vr.Rod.helix(0.01, 0.012, 3.0, section=section, material=steel, elements=6, order=4))
+    model.clamp("spring.start")
+    model.support("spring.end", ("ux", "uy", "rx", "ry", "rz"))
+    model.force("spring.end", (0, 0, -220.0), until=0.0)
+    for folder in (None, tmp_path / "run"):
+        with pytest.warns(vr.AccuracyWarning, match="its turns come as near as"):
+            run = model.simulate(2e-4, folder=folder)
+        assert [text.partition(" its turns")[0] for text in run.warnings if "come as near" in text] == [
+            "rod spring: at 0 s"
+        ]

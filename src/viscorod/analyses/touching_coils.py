@@ -63,9 +63,11 @@ def touching_coils(
 
 def touching_in(rods: Mapping[str, Rod], problem: Problem, history: History, words: str) -> Iterator[str]:
     """Yield the same of some of the states of a history, with what to say of its instants, such as "at {:.4g} s"."""
-    yield from touching_coils(
-        rods, problem, ((words.format(at), shot.state) for at, shot in history.sample(LOOKED_AT))
-    )
+    if any(map(_thickness, rods.values())):
+        kept = History.sample(
+            history, LOOKED_AT
+        )  # those that it holds, whatever samples a stream takes beside them
+        yield from touching_coils(rods, problem, ((words.format(at), shot.state) for at, shot in kept))
 
 
 def _thickness(rod: Rod) -> float:

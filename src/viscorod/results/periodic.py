@@ -204,8 +204,16 @@ class Periodic(StatelessResult):
         values = self._course(self.harmonics(output), FINE)
         return np.asarray(0.5 * (largest_in_cycle(values) + largest_in_cycle(-values)))
 
+    @checked
     def summit(self, output: str | int = 0) -> Summit:
-        """Return the largest amplitude of an output between the motions of the curve, and its frequency."""
+        """Return the largest amplitude of an output between the motions of the curve, and its frequency [Hz].
+
+        Args:
+            output: its words, or its number from 0.
+
+        Raises:
+            InputError: there is no such output.
+        """
         return summit_of(self.frequencies, self.amplitude(output))
 
     @checked
