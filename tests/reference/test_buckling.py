@@ -6,6 +6,7 @@ import re
 
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 from scipy.special import airy
 
@@ -315,3 +316,145 @@ def test_critical_loads_at_strains_of_no_material_are_told():
     found = model.buckling(1)
     assert found.load_factors[0] == pytest.approx(2.0, rel=5e-3)
     assert "stretch is 1" in found.warnings[0]
+
+
+def bent_strip():
+    """A strip on edge under moments about fixed axes at both ends, without anything that holds its twist."""
+    steel = vr.Material(2.1e11, 0.3, 7850.0)
+    model = vr.Model()
+    section = vr.Rectangle(0.001, 0.02)
+    ends = ((0, 0, 0), (1, 0, 0))
+    rod = vr.Rod.straight(*ends, d1=(0, 1, 0), section=section, material=steel, elements=2, order=5)
+    model.add("strip", rod)
+    model.moment("strip.start", (0, 1.0, 0))
+    model.moment("strip.end", (0, -1.0, 0))
+    return model, 0.35, 140.0, steel.shear_modulus * section.torsion()
+
+
+def left_open(moment, sideways, on_edge, twist, share):
+    """Return what small motions about a bent strip leave open at its end; they are possible where it is zero.
+
+    Independent of rods of finite elements: the frame turns by phi = M s/EI about y, and of the small rotation w,
+    GJ (w'.d3) d3 + EI (w'.d2) d2 + w x M e_y is the moment that the ends and their lateral reactions make; u' = w x d3.
+    Each end holds its deflection u and the rotation about an axis that is turned by a ``share`` of phi: 0 for one that
+    stands still, 1 for the strip's own.
+    """
+    ends = 0.5 * moment / on_edge * np.array([-1.0, 1.0])
+    held = np.column_stack([np.cos(share * ends), -np.sin(share * ends)])
+    # columns: a rotation that is free at the start, the moment and the lateral force that it is held by
+    reaction = np.outer(held[0], [0.0, 1.0, 0.0])
+    force = np.array([0.0, 0.0, 1.0])
+
+    def slope(s, y):
+        wx, wz, _, x, z = y.reshape(5, 3)
+        phi = moment / on_edge * (s - 0.5)
+        d3, d2 = np.array([np.cos(phi), -np.sin(phi)]), np.array([np.sin(phi), np.cos(phi)])
+        m = reaction + force * np.array([-z, x]) - moment * np.array([-wz, wx])
+        turning = np.outer(d3, d3 @ m) / twist + np.outer(d2, d2 @ m) / sideways
+        return np.vstack([turning, wz * d3[0] - wx * d3[1], np.outer(d3, np.ones(3))]).ravel()
+
+    start = np.zeros((5, 3))
+    start[:2, 0] = -held[0, 1], held[0, 0]
+    way = solve_ivp(slope, (0, 1), start.ravel(), "DOP853", rtol=1e-10, atol=1e-12).y[:, -1].reshape(5, 3)
+    m = reaction + force * np.array([-way[4], way[3]])
+    return np.linalg.det([held[1] @ way[:2], way[2], m[0] * held[1, 1] - m[1] * held[1, 0]])
+
+
+def test_what_holds_the_twist_of_a_bent_strip_matters():
+    """Prandtl 1899, with what bending before takes off: two ways to hold the ends, beside the small motions solved.
+
+    A fork goes with the strip: the moment is Prandtl's over sqrt((1 - EI1/EI2)(1 - GJ/EI2)). A rotation that is held as
+    ``rx`` is a component of the rotation vector, about an axis half way between the fixed one and the strip.
+    """
+    model, *numbers = bent_strip()
+    model.support("strip.start", ("ux", "uy", "uz", "rx"))
+    model.support("strip.end", ("uy", "uz", "rx"))
+    found = model.buckling(count=1, about=1.3).load_factors[0]
+    assert (
+        left_open(found * (1.0 - 1e-6), *numbers, 0.5) * left_open(found * (1.0 + 1e-6), *numbers, 0.5) < 0.0
+    )
+    model, *numbers = bent_strip()
+    axes = ((0, 0, 1), (0, 1, 0))
+    model.add("block", vr.Body.sphere((1, 0, 0), 0.02, mass=1.0))
+    model.universal("strip.start", "ground", axes)
+    model.universal("strip.end", "block", axes)
+    model.prismatic("block", "ground", axis=(1, 0, 0))
+    found = model.buckling(count=1, about=1.3).load_factors[0]
+    assert (
+        left_open(found * (1.0 - 1e-6), *numbers, 1.0) * left_open(found * (1.0 + 1e-6), *numbers, 1.0) < 0.0
+    )
+    sideways, on_edge, twist = numbers
+    prandtl = np.pi * np.sqrt(sideways * twist)
+    fork = prandtl / np.sqrt((1.0 - sideways / on_edge) * (1.0 - twist / on_edge))
+    assert found == pytest.approx(fork, rel=1e-6)
+
+
+def test_a_clamped_arch_under_pressure_from_outside():
+    """Closed form: (k^2 - 1) EI/R^3 with k tan a = tan k a (Timoshenko and Gere, 7.6)."""
+    half = np.radians(60.0)
+    section = vr.StiffnessSection([1e7, 1e7, 1e7, 1.0, 400.0, 1.5], INERTIA)
+    tangent, normal = (np.cos(half), 0, np.sin(half)), (np.sin(half), 0, -np.cos(half))
+    model = vr.Model()
+    rod = vr.Rod.arc(
+        (-np.sin(half), 0, 0),
+        tangent,
+        normal,
+        1.0,
+        2.0 * half,
+        d1=(0, 1, 0),
+        section=section,
+        elements=6,
+        order=5,
+    )
+    model.add("arch", rod)
+    model.clamp("arch.start")
+    model.clamp("arch.end")
+    model.distributed_force("arch", (0, -1.0, 0), following=True)  # d2 = d3 x d1 points outwards
+    found = model.buckling(count=1)
+    k = brentq(lambda k: k * np.tan(half) - np.tan(k * half), 4.3, 4.45)
+    assert found.load_factors == pytest.approx([k**2 - 1.0], rel=2e-5)
+
+
+def test_critical_loads_that_are_passed_as_the_load_falls_are_told_to_be():
+    """They are in the order of the way of the equilibria, in which a load that grows comes to the first one first."""
+    linear = hinged_column(constraints="kirchhoff").buckling(count=3, exact=False)
+    found = type(linear)(linear.data.assign_attrs(buckling_exact=1))
+    assert "the load falls" not in flat(found.report())
+    fallen = type(found)(found.data.assign(critical_load=("critical", [3.2, 3.3, 2.7])))
+    assert "number 3 is passed there, at a smaller load" in flat(fallen.report())
+
+
+def test_turns_of_a_spring_that_would_touch_are_told():
+    """The told gap is that of positions 1/200 of a turn apart, looked at all around the next turn."""
+    steel = vr.Material(2.06e11, 0.3, 7850.0)
+    helix = vr.Rod.helix(0.01, 0.012, 8.0, section=vr.Circle(0.001), material=steel, elements=16, order=4)
+    for pressed, told in ((-0.05, False), (-0.09, True)):
+        model = vr.Model()
+        model.add("spring", helix)
+        model.clamp("spring.start")
+        model.clamp("spring.end", motion={"uz": pressed})
+        found = model.equilibrium(search=False)
+        texts = [text for text in found.warnings if "its turns come as near as" in text]
+        assert len(texts) == told
+        places = found.probe("spring", s=np.linspace(0.0, helix.length, 1601))["position"].values[-1]
+        gap = min(np.linalg.norm(places[k + 150 : k + 251] - places[k], axis=1).min() for k in range(1401))
+        assert (gap < 0.99 * 0.002) == told
+        for text in texts:
+            assert float(re.search("as near as ([0-9.e-]+) m", text)[1]) == pytest.approx(gap, abs=2e-5)
+
+
+def test_turns_that_touch_in_a_motion_are_told(tmp_path):
+    """A spring that is held pressed, and let go at once, has touching turns at its start alone."""
+    steel = vr.Material(2.06e11, 0.3, 7850.0)
+    model = vr.Model()
+    section = vr.Circle(0.001)
+    model.add("spring", vr.Rod.helix(0.01, 0.012, 3.0, section=section, material=steel, elements=6, order=4))
+    model.clamp("spring.start")
+    model.support("spring.end", ("ux", "uy", "rx", "ry", "rz"))
+    model.force("spring.end", (0, 0, -220.0), until=0.0)
+    for folder in (None, tmp_path / "run"):
+        with pytest.warns(vr.AccuracyWarning, match="its turns come as near as"):
+            run = model.simulate(2e-4, folder=folder)
+        assert [text.partition(" its turns")[0] for text in run.warnings if "come as near" in text] == [
+            "rod spring: at 0 s"
+        ]

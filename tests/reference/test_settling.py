@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.optimize import brentq
+from scipy.optimize import brentq, fsolve
 from scipy.special import ellipe, ellipk
 
 import viscorod as vr
@@ -476,3 +476,32 @@ def test_a_truss_that_falls_over_is_told_and_a_pendulum_is_not():
     hanging = pendulum.equilibrium()
     assert hanging.position("rod.end")[2] == pytest.approx(-1.0, abs=1e-3)
     assert not hanging.warnings
+
+
+def test_a_line_that_its_supports_lift_has_not_turned_by_itself():
+    """A mooring line, drawn level: its end is lifted by 60 of 200 m, and it hangs below, as it is meant to.
+
+    Elastic catenary (Irvine 1981, 2.2): X = H S/EA + H/w (asinh V/H - asinh (V - wS)/H), Z likewise.
+    """
+    steel = vr.Material(2.0e11, 0.3, 7850.0)
+    model = vr.Model()
+    model.add("line", vr.Rod.straight((0, 0, 0), (220, 0, 0), section=vr.Circle(0.02), material=steel))
+    model.pin("line.start")
+    model.pin("line.end", motion={"ux": -20.0, "uz": 60.0})
+    model.gravity((0, 0, -9.81))
+    found = model.equilibrium()
+    assert found.warnings == []
+    area, length = np.pi * 0.02**2, 220.0
+    weight, stretch = 7850.0 * 9.81 * area, 2.0e11 * area
+
+    def gaps(pulls):
+        h, upper = pulls
+        lower = upper - weight * length
+        across = h * length / stretch + h / weight * (np.arcsinh(upper / h) - np.arcsinh(lower / h))
+        up = (upper**2 - lower**2) / (2.0 * weight * stretch)
+        up += (np.hypot(h, upper) - np.hypot(h, lower)) / weight
+        return across - 200.0, up - 60.0
+
+    h, upper = fsolve(gaps, (16e3, 16e3), xtol=1e-12)
+    reaction = found.reactions.values[1]
+    assert (reaction[0], reaction[2]) == pytest.approx((h, upper), rel=5e-4)  # bends: EI k^2 is 1 N

@@ -42,7 +42,7 @@ def test_a_case_is_validated_and_discretised_once(counted):
     case = parse_case(SHORT)
     assert case.settings.duration == 0.2
     prepared = discretised_case(case)
-    warnings = doubts(prepared, case.settings)
+    warnings = doubts(prepared)
     run = run_case(case, prepared, doubts=warnings)
     assert run.time[-1] == pytest.approx(0.2)
     assert counted == {"validate": 1, "discretise": 1}
@@ -52,7 +52,7 @@ def test_a_case_gives_what_its_model_gives():
     """Bit for bit: warnings that were computed before do not change a run."""
     case = parse_case(SHORT)
     prepared = discretised_case(case)
-    doubts(prepared, case.settings)
+    doubts(prepared)
     shared = run_case(case, prepared)
     alone = as_model(case.description).simulate(
         **{name: getattr(case.settings, name) for name in case.settings.model_fields_set}

@@ -91,9 +91,7 @@ def solving(monkeypatch):
         monkeypatch.setattr(
             viscorod.analyses.discrete.DiscreteModel, "of", lambda model, validated: SimpleNamespace()
         )
-        monkeypatch.setattr(
-            viscorod.analyses.check, "doubts", lambda discrete, settings: ["the rod is thick"]
-        )
+        monkeypatch.setattr(viscorod.analyses.check, "doubts", lambda discrete: ["the rod is thick"])
         monkeypatch.setattr(viscorod.analyses.case_run, "run_case", run_case)
         monkeypatch.setattr(
             viscorod.analyses.case_run, "as_model", lambda description: SimpleNamespace(draw=draw)

@@ -134,6 +134,7 @@ def test_times_are_common_whatever_the_steps(case):
     assert not sweep.separate
     assert sweep.data["time"].values == pytest.approx([0, 0.03, 0.06, 0.09, 0.12, 0.15, 0.18, 0.2], abs=1e-12)
     assert sweep.data["steps"].values[1] > sweep.data["steps"].values[0]
+    assert sweep.table()["steps"].dtype.kind == "i"  # 105 steps, not 105.0
 
 
 def test_different_meshes_are_kept_apart(case, tmp_path):

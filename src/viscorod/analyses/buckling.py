@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.growing_loads import begin_growing, move
+from viscorod.analyses.touching_coils import touching_coils
 from viscorod.errors import SolveError
 from viscorod.results.buckling import Buckling
 from viscorod.results.validity import SMALL_STRAIN
@@ -119,7 +120,9 @@ def _found(
         "buckling_complete": int(len(factors) >= settings.count),
     }
     if settings.exact:
-        attributes["warnings"] = json.dumps([*told, *_strained(discrete, points)])
+        states = ((f"at critical load {k}", point.state) for k, point in enumerate(points, 1))
+        touching = touching_coils(discrete.model.rods, problem, states)
+        attributes["warnings"] = json.dumps([*told, *_strained(discrete, points), *touching])
     if reached is not None:
         attributes["buckling_reached"] = reached
     data = discrete.data_set(Buckling.kind, history, attributes)()

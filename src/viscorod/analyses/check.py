@@ -28,11 +28,8 @@ from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_fr
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.settings.analysis import AnySettings
 from viscorod.solve.settings.buckling import BucklingSettings
-from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.settings.checks import require_fit
-from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.settings.motion import SimulateSettings
-from viscorod.solve.settings.response import ResponseSettings
 from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.steady.steady_checks import require_steady
@@ -72,7 +69,7 @@ def check(discrete: DiscreteModel, settings: AnySettings | None = None) -> Check
         damping_ratios=first.damping_ratios,
         mode_names=first.names,
         rigid_motions=first.rigid,
-        warnings=_doubts(model, problem, frequencies, settled=True) + first.warnings,
+        warnings=_doubts(model, problem, frequencies) + _unheld(problem) + first.warnings,
         nodes=n,
         unknowns=6 * n - int(problem.supports.fixed.sum()),
         bodies=[body_row(name, body) for name, body in model.bodies.items()],
@@ -133,25 +130,20 @@ def _first_modes(discrete: DiscreteModel) -> _FirstModes:
     )
 
 
-def doubts(discrete: DiscreteModel, settings: AnySettings) -> list[str]:
-    """Return the warnings of :func:`check` without the rest, quickly.
+def doubts(discrete: DiscreteModel) -> list[str]:
+    """Return the warnings of :func:`check` that a result is to keep, quickly.
 
-    Motions that nothing holds are among them if the analysis looks for a static equilibrium.
+    Motions that nothing holds are not among them: an equilibrium tells whether the model has turned.
     """
     frequencies = np.zeros(0)
     if not many_parts(discrete.problem):
         linear = linearise(discrete.static, State.reference(discrete.problem), scale=0.0)
         frequencies = natural_frequencies(linear, 2 * MODES) / (2.0 * np.pi)
-    flies = isinstance(settings, SimulateSettings) and (
-        settings.initial == "reference" or settings.start is not None
-    )
-    unloaded = isinstance(settings, ModesSettings | ResponseSettings) and settings.about == "reference"
-    settled = not (flies or unloaded or isinstance(settings, SteadySettings | CampbellSettings))
     slowest = frequencies[frequencies > 0.0][:1]
-    return _doubts(discrete.model, discrete.problem, slowest, settled=settled)
+    return _doubts(discrete.model, discrete.problem, slowest)
 
 
-def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, settled: bool) -> list[str]:
+def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats) -> list[str]:
     """Return doubts about the rods, and about motions of the given frequencies [Hz, increasing]."""
     warnings = [text for name, rod in model.rods.items() for text in shape_warnings(name, rod)]
     warnings += model_doubts(model, problem)
@@ -161,13 +153,17 @@ def _doubts(model: ModelDescription, problem: Problem, frequencies: Floats, *, s
             f"{joined} parts are joined by joints or springs: motions that nothing holds are not listed, and "
             "frequencies about the reference shape are not computed (modes about the equilibrium may be)"
         )
-    free = free_motions(problem) if settled and not joined else []
-    if free:
-        warnings.append(
-            f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "
-            "another position than the reference shape"
-        )
     return warnings + speed_warnings(model, frequencies) + band_warnings(model, frequencies)
+
+
+def _unheld(problem: Problem) -> list[str]:
+    """Return a warning of motions that supports leave free, where few parts are joined."""
+    free = [] if many_parts(problem) else free_motions(problem)
+    return [
+        f"nothing holds the model against {named(free)}: loads may hold it, such as the weight of a pendulum, in "
+        "another position than the reference shape"
+        for _ in free[:1]
+    ]
 
 
 def _assumptions(model: ModelDescription) -> list[str]:

@@ -17,6 +17,7 @@ from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.provenance import provenance, section_record
 from viscorod.analyses.thin_twist import thin_twist
+from viscorod.analyses.touching_coils import touching_in
 from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.errors import Fault, InputError
 from viscorod.mechanics.compilation.compiled import announce_compilation, announce_formulation
@@ -326,7 +327,9 @@ class DiscreteModel:
         complete, points = self.complete(attrs), self.system.gauss_positions()
         if history.instant:
             told = thin_twist(self.problem, points, history.snapshots[-1].strain)
-            complete["doubts"] = json.dumps([*json.loads(complete.get("doubts", "[]")), *told])
+            words = "in this state" if history.count == 1 else "at the load factor {:.4g}"
+            touching = touching_in(self.model.rods, self.problem, history, words)
+            complete["doubts"] = json.dumps([*json.loads(complete.get("doubts", "[]")), *told, *touching])
         return partial(state_arrays, kind, self.problem, points, history, complete, late)
 
     @property

@@ -9,7 +9,13 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel, named, unheld
-from viscorod.mechanics.rotations.quaternion import conjugate, product
+from viscorod.mechanics.rotations.quaternion import (
+    conjugate,
+    from_matrices,
+    matrices,
+    product,
+    rotation_vector,
+)
 from viscorod.solve.constraints.free_motion import FreeMotion
 from viscorod.solve.constraints.parts import many_parts
 from viscorod.solve.constraints.rigid_motions import free_motions
@@ -35,22 +41,26 @@ CRUSHED = -0.1
 """Stretch below which a straight rod is one that load steps have crushed: beyond what the material law is meant for."""
 
 
-def turned_together(before: State, after: State) -> float:
-    """Return the angle [rad] by which a model has turned as a whole, by its sections or its places; 0 if it has not.
+def turned_together(before: State, after: State, loose: Sequence[FreeMotion]) -> float:
+    """Return the angle [rad] by which a model has turned as a whole about axes that supports leave free; 0 if not.
 
+    By its sections or its places. What supports turn it by as they move, across those axes, does not count.
     The mean rotation of the sections is that whose outer products are the mean ones (Markley et al. 2007); that of the
     places is the rotation that brings them nearest to where they are (Kabsch 1976), unless they are in a line.
     """
     turns = product(after.q, conjugate(before.q))
     weights, axes = np.linalg.eigh(turns.T @ turns / len(turns))
-    angle = 2.0 * math.acos(min(1.0, abs(float(axes[0, -1])))) if weights[-1] > TOGETHER else 0.0
+    frames = matrices(before.q)
+    free = np.array([np.einsum("nij,nj->i", frames, motion.increments[:, 3:]) for motion in loose])
+    free = np.linalg.svd(free, full_matrices=False)[2]
+    angle = float(np.linalg.norm(free @ rotation_vector(axes[:, -1]))) if weights[-1] > TOGETHER else 0.0
     was, now = (r - r.mean(axis=0) for r in (before.r, after.r))
     left, sizes, right = np.linalg.svd(was.T @ now)
     if sizes[1] > FLAT * sizes[0]:
         sign = np.sign(np.linalg.det(left @ right))
         turn = left @ np.diag([1.0, 1.0, sign]) @ right
         if np.linalg.norm(was @ turn - now) < (1.0 - TOGETHER) * np.linalg.norm(was):
-            angle = max(angle, math.acos(min(1.0, max(-1.0, 0.5 * (float(np.trace(turn)) - 1.0)))))
+            angle = max(angle, float(np.linalg.norm(free @ rotation_vector(from_matrices(turn.T[None])[0]))))
     return angle
 
 
@@ -123,7 +133,7 @@ class Search:
         problem = self.discrete.problem
         hung = len(set(problem.supports.nodes.tolist())) < 2  # as a pendulum is, to swing where it likes
         if self.loose and not hung and not any(rod.is_cable for rod in self.discrete.model.rods.values()):
-            self.turned = turned_together(start, state)
+            self.turned = turned_together(start, state, self.loose)
         return True
 
     def _moves(self) -> bool:

@@ -8,6 +8,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from viscorod.analyses.doubtful_numbers import doubtful_numbers
+from viscorod.analyses.touching_coils import TOUCHING
 from viscorod.analyses.unjoined_rods import unjoined_rods
 from viscorod.model.actions.load import Gravity
 from viscorod.model.actions.time_table import TimeTable
@@ -28,8 +29,6 @@ RECORD = 20
 """Rows from which on a table of time is a record; shorter ones are ramps, which end where they are to stay."""
 HELD = 1e-3
 """Part of the largest value of a table beyond which one that is kept matters."""
-TOUCHING = 0.01
-"""Part of the thickness of a wire by which turns that touch may lie within each other, as numbers are rounded."""
 WARPED = 0.1
 """Part of the length of a rod over which held warping stiffens its torsion, beyond which it is told: the twist of a
 cantilever is by as large a part of itself too large."""
@@ -96,12 +95,12 @@ def _coils(name: str, rod: Rod) -> Iterator[str]:
     line, section = rod.centreline, rod.section_at(0.0)
     if not isinstance(line, Helix) or line.turns <= 1.0 or not isinstance(section, Circle | Annulus):
         return
-    apart = line.pitch * 2.0 * math.pi * line.radius / math.hypot(2.0 * math.pi * line.radius, line.pitch)
     thick = 2.0 * (section.half_width or 0.0)
-    if apart < (1.0 - TOUCHING) * thick:
+    if line.apart < (1.0 - TOUCHING) * thick:
         yield (
-            f"rod {name}: its turns are {apart:.4g} m apart and its section is {thick:.4g} m thick: they lie within "
-            "each other, and no contact is computed; make the pitch larger or the section thinner (lengths are in m)"
+            f"rod {name}: its turns are {line.apart:.4g} m apart and its section is {thick:.4g} m thick: they lie "
+            "within each other, and no contact is computed; make the pitch larger or the section thinner (lengths are "
+            "in m)"
         )
 
 

@@ -26,6 +26,7 @@ from viscorod.analyses.motion_stepping import (
     stepping,
 )
 from viscorod.analyses.second_run import UNTOLD, SecondRun, is_needed, second_run, told_by_second_run
+from viscorod.analyses.touching_coils import touching_in
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import state_arrays
@@ -185,6 +186,9 @@ def _motion(
     keep(attrs, effort)
     attrs["message"] = message = failure(discrete, transient)
     tell(attrs, blows(discrete.problem))
+    if stream.whole:  # what was written to disk is not read again for this
+        for text in touching_in(discrete.model.rods, discrete.problem, stream, "at {:.4g} s"):
+            tell(attrs, text)
     tell(attrs, motion_doubt(attrs))
     tell(attrs, force_doubt(attrs))
     if settings.start is None and force_doubt(attrs):

@@ -47,7 +47,7 @@ def run(
         folder = writable(output or Path("out") / case.stem)
         require_free(folder, stopped=anew)
         discrete = discretised_case(loaded)
-        warnings = doubts(discrete, loaded.settings)
+        warnings = doubts(discrete)
         replacing_note(folder / "run.nc")
         for warning in [] if quiet() else warnings:
             complain(f"warning: {warning}")

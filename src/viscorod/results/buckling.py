@@ -24,6 +24,9 @@ __all__ = ["Buckling"]
 class Buckling(Result):
     """Critical loads, in the order in which the equilibria pass them.
 
+    That is the order of their size up to the first limit point. There the load falls, and what comes after may be
+    smaller: a load that grows from zero comes to the first one first. The report says so where it is.
+
     ``data`` holds the state about which the linear problem is solved along the dimension ``load_factor``, and the
     critical loads along ``critical``.
     """
@@ -40,7 +43,10 @@ class Buckling(Result):
 
     @property
     def load_factors(self) -> Floats:
-        """Multiples of the loads that grow ``(k,)``; of several directions soft at once each has one."""
+        """Multiples of the loads that grow ``(k,)``; of several directions soft at once each has one.
+
+        In the order in which the equilibria pass them, ``min`` is not the first one where the load falls between.
+        """
         return self._values("critical_load")
 
     @property
@@ -106,6 +112,7 @@ class Buckling(Result):
         heading = "Critical loads, on the way of the equilibria" if self.exact else "Critical loads, linear"
         blocks = [self.title] if self.title else []
         blocks.append(table(heading, header, rows) if rows else f"{heading}\n  none were found")
+        blocks += self._passed_later()
         linear = ", ".join(f"{factor:.6g}" for factor in self.linear) or "none"
         blocks.append(f"Of the linear problem at the load factor {self.about:g}: {linear}")
         if self.outcome != "completed":
@@ -117,6 +124,19 @@ class Buckling(Result):
         if self.warnings:
             blocks.append(listed("Warnings", self.warnings))
         return page(blocks)
+
+    def _passed_later(self) -> list[str]:
+        """Return a sentence where critical loads that are passed later are smaller: the load falls on the way."""
+        factors = self.load_factors
+        if not self.exact or not (np.diff(factors) < 0.0).any():
+            return []
+        later = np.flatnonzero(factors < np.maximum.accumulate(factors)) + 1
+        numbers = ", ".join(map(str, later))
+        which = f"number {numbers} is" if len(later) == 1 else f"numbers {numbers} are"
+        return [
+            f"Beyond a limit point the load falls: {which} passed there, at a smaller load, on equilibria that are "
+            "unstable already; a load that grows comes to number 1 first"
+        ]
 
     def _until(self) -> str:
         """Return where the search ended, in words."""

@@ -12,6 +12,7 @@ import numpy as np
 from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.results.summits import Summit, largest_in_cycle, summit_of
 from viscorod.shown import counted, span
 from viscorod.typing import Floats
 
@@ -201,7 +202,19 @@ class Periodic(StatelessResult):
     def amplitude(self, output: str | int = 0) -> Floats:
         """Return half of the way from the smallest to the largest value of an output in a cycle ``(points,)``."""
         values = self._course(self.harmonics(output), FINE)
-        return np.asarray(0.5 * (values.max(axis=1) - values.min(axis=1)))
+        return np.asarray(0.5 * (largest_in_cycle(values) + largest_in_cycle(-values)))
+
+    @checked
+    def summit(self, output: str | int = 0) -> Summit:
+        """Return the largest amplitude of an output between the motions of the curve, and its frequency [Hz].
+
+        Args:
+            output: its words, or its number from 0.
+
+        Raises:
+            InputError: there is no such output.
+        """
+        return summit_of(self.frequencies, self.amplitude(output))
 
     @checked
     def decrement_ratios(self, output: str | int = 0) -> Floats:

@@ -168,8 +168,11 @@ def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:
     """Return what reads the largest size of a response, or where it is."""
 
     def read(result: Any, words: Sequence[Word]) -> float:
-        size_of = result.amplification if hasattr(result, "amplification") else result.amplitude
-        size = size_of(*(int(word) if isinstance(word, float) else word for word in words))
+        given = [int(word) if isinstance(word, float) else word for word in words]
+        if hasattr(result, "summit"):
+            top = result.summit(*given)
+            return float(top.amplitude if what == "peak" else top.frequency)
+        size = result.amplification(*given)
         return float(size.max() if what == "peak" else result.frequencies[np.argmax(size)])
 
     return read

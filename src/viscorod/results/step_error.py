@@ -55,8 +55,10 @@ def force_doubt(attrs: Mapping[str, Any]) -> str:
     if error <= FORCE:
         return ""
     return (
-        f"the steps may leave section forces off by {number(100.0 * error, 2)} % of the largest, where fast vibrations "
-        f"carry them; use {_smaller(attrs)}, or damping"
+        f"the steps may leave section forces off by {number(100.0 * error, 2)} % of the largest at single instants, "
+        "where fast vibrations that little damps carry them; means over some of their periods are hardly wrong. Use "
+        f"{_smaller(attrs)}, or damping: without it such vibrations, as a sudden load sets them off, depend on the "
+        "mesh too"
     )
 
 

@@ -90,8 +90,10 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
         found["numerical_fraction"] = result.energy.numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
-    if isinstance(result, FrequencyResponse | Periodic):
-        size = result.amplification() if isinstance(result, FrequencyResponse) else result.amplitude(0)
+    if isinstance(result, Periodic):
+        _, found["peak_frequency"], found["peak"] = result.summit()
+    if isinstance(result, FrequencyResponse):
+        size = result.amplification()
         found["peak_frequency"] = float(result.frequencies[np.argmax(size)])
         found["peak"] = float(size.max())
     return found | _first(result)

@@ -149,6 +149,8 @@ class Sweep(WellNamed, Shown, Alike):
         }
         columns |= {name: column for name, column in found.quantities.items() if name not in found.histories}
         columns |= self._figures()
+        if "steps" in columns and np.isfinite(columns["steps"]).all():
+            columns["steps"] = columns["steps"].astype(np.int64)
         columns["outcome"] = found.outcomes()
         told = found.told()
         columns["message"] = [told.get(k, "") for k in range(len(self.members))]

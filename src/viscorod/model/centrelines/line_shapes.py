@@ -132,6 +132,11 @@ class Helix(Centreline):
         """Turns times the length of one, m."""
         return self.turns * math.hypot(2.0 * math.pi * self.radius, self.pitch)
 
+    @property
+    def apart(self) -> float:
+        """Distance of a turn from the next one, across the line, m."""
+        return self.pitch * 2.0 * math.pi * self.radius / math.hypot(2.0 * math.pi * self.radius, self.pitch)
+
     def _polar(self, s: Floats) -> tuple[Floats, Floats, Floats, float, float]:
         """Return outward and circumferential directions (n, 3), the axis (3,), and the slope's cosine and sine."""
         axis = np.array(self.axis)

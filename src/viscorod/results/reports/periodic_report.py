@@ -51,14 +51,14 @@ def _units(curve: Periodic) -> list[str]:
 def _amplitudes(curve: Periodic) -> str:
     """Return a table of the largest and smallest amplitude of every output."""
     sizes = [curve.amplitude(k) for k in range(len(curve.outputs))]
-    at = [int(size.argmax()) for size in sizes]
+    tops = [curve.summit(k) for k in range(len(curve.outputs))]
     pairs = list(zip(sizes, _units(curve), strict=True))
     return tabulated(
         "Amplitudes (half of the way between extremes)",
         words("output", curve.outputs),
-        words("largest", [quantity(size.max(), unit) for size, unit in pairs]),
-        numbers(("at",), "Hz", curve.frequencies[at]),
-        words("level", [number(curve.levels[k], 4) for k in at]),
+        words("largest", [quantity(top.amplitude, unit) for top, (_, unit) in zip(tops, pairs, strict=True)]),
+        numbers(("at",), "Hz", [top.frequency for top in tops]),
+        words("level", [number(curve.levels[top.point], 4) for top in tops]),
         words("smallest", [quantity(size.min(), unit, 4) for size, unit in pairs]),
     )
 
