@@ -34,6 +34,7 @@ def members(name, rows):
 def forgotten():
     """Let the next model find its layout anew, and how its rods are divided."""
     layout._kept.cache_clear()
+    layout._kept_as_chosen.cache_clear()
     chosen_divisions._kept.cache_clear()
 
 

@@ -7,7 +7,8 @@ import pytest
 
 import viscorod as vr
 from viscorod.model.sections.section_kinks import kinks
-from viscorod.solve.problem.discretise import chosen_divisions, discretise
+from viscorod.solve.problem.chosen_divisions import chosen_divisions
+from viscorod.solve.problem.discretise import discretise
 
 
 def stations(seed, count):

@@ -23,10 +23,16 @@ def chosen_divisions(model: ModelDescription) -> Divisions:
     Raises:
         InputError: a rod has too few elements.
     """
+    known = alike_divided(model)
+    return _chosen(model) if known is None else _kept(known)
+
+
+def alike_divided(model: ModelDescription) -> Alike | None:
+    """Return what is equal for models that are divided alike, and have one layout; None where nothing tells it."""
     driven = any(getattr(one, "motion", None) for one in (*model.supports, *model.joints))
     if driven or any(computed(rod) or not rod.uniform for rod in model.rods.values()):
-        return _chosen(model)
-    return _kept(Alike(model, _parts(model)))
+        return None
+    return Alike(model, _parts(model))
 
 
 def _parts(model: ModelDescription) -> list[Any]:

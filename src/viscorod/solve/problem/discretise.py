@@ -15,9 +15,8 @@ from viscorod.model.actions.time_table import TimeTable
 from viscorod.model.connections.place import BodyPlace
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import held_strains
-from viscorod.solve.problem.chosen_divisions import chosen_divisions
 from viscorod.solve.problem.division import Divisions
-from viscorod.solve.problem.layout import layout_of
+from viscorod.solve.problem.layout import chosen_layout, layout_of
 from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import element_sets
@@ -44,7 +43,7 @@ def discretise(
     """
     if not validated:
         model.validate()
-    layout = layout_of(model, chosen_divisions(model) if divisions is None else divisions)
+    layout = chosen_layout(model) if divisions is None else layout_of(model, divisions)
     mesh = layout.mesh_of(model)
     places = Placement(model, mesh, layout.spots)
     pattern, joints, supports = layout.pattern, layout.joints, layout.supports
@@ -140,6 +139,8 @@ def _initial_twist(model: ModelDescription, places: Placement) -> Callable[[Floa
 
     def twists(r: Floats, q: Floats) -> Floats:
         twist = np.zeros((len(r), 6))
+        if not model.velocities:
+            return twist
         R = matrices(q)
 
         def give(node: int, arm: Floats, linear: Floats, angular: Floats) -> None:

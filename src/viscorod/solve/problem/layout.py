@@ -21,6 +21,7 @@ from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import multiplier_cliques
 from viscorod.solve.linear.pattern import Pattern
+from viscorod.solve.problem.chosen_divisions import alike_divided, chosen_divisions
 from viscorod.solve.problem.division import Divisions
 from viscorod.solve.problem.joint_set import JointSet, joint_set
 from viscorod.solve.problem.mesh import Mesh, SetPlaces, divide, element_nodes, join, set_places, stations_of
@@ -29,7 +30,7 @@ from viscorod.solve.problem.placement import MeshPlace, Placement
 from viscorod.solve.problem.problem import Bodies, Stations, SupportSet
 from viscorod.typing import Integers
 
-__all__ = ["Layout", "layout_of"]
+__all__ = ["Layout", "chosen_layout", "layout_of"]
 
 MOST_NODES = 2_000
 """Nodes of a model beyond which its layout is not kept: it is a small part of the work then."""
@@ -81,10 +82,26 @@ def layout_of(model: ModelDescription, divisions: Divisions) -> Layout:
     Raises:
         InputError: the mesh cannot satisfy the model.
     """
-    nodes = sum(division.order * division.count + 1 for division in divisions.values())
-    if nodes + len(model.bodies) > MOST_NODES or any(map(computed, model.rods.values())):
+    if not _is_kept(model, divisions):
         return _laid_out(model, divisions)
     return _kept(Alike((model, divisions), _parts(model, divisions)))
+
+
+def chosen_layout(model: ModelDescription) -> Layout:
+    """Return the layout of a model whose rods are divided as they say or the program chooses.
+
+    Raises:
+        InputError: the mesh cannot satisfy the model.
+    """
+    known = alike_divided(model)
+    found = None if known is None else _kept_as_chosen(known)
+    return layout_of(model, chosen_divisions(model)) if found is None else found
+
+
+def _is_kept(model: ModelDescription, divisions: Divisions) -> bool:
+    """Return whether the layout of a model is kept: it is small, and no function says where its nodes are."""
+    nodes = sum(division.order * division.count + 1 for division in divisions.values())
+    return nodes + len(model.bodies) <= MOST_NODES and not any(map(computed, model.rods.values()))
 
 
 def _parts(model: ModelDescription, divisions: Divisions) -> list[Any]:
@@ -103,6 +120,14 @@ def _parts(model: ModelDescription, divisions: Divisions) -> list[Any]:
 @lru_cache(maxsize=KEPT)
 def _kept(alike: Alike) -> Layout:
     return _laid_out(*alike.taken())
+
+
+@lru_cache(maxsize=KEPT)
+def _kept_as_chosen(alike: Alike) -> Layout | None:
+    """Return the layout of models that are divided alike; None if it is not kept."""
+    model = alike.taken()
+    divisions = chosen_divisions(model)
+    return layout_of(model, divisions) if _is_kept(model, divisions) else None
 
 
 def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
