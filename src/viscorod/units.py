@@ -124,9 +124,10 @@ def _weighed(number: str, given: str, wanted: Dimension) -> str:
 
 def is_quantity(value: Any) -> bool:
     """Say whether a value is a number, or an array, with a unit, as Pint and Astropy have them."""
+    known = [vars(kind) for kind in type(value).__mro__] + [getattr(value, "__dict__", {})]
 
     def has(name: str) -> bool:  # hasattr would let objects of the model look for the nearest of their names
-        return hasattr(type(value), name) or name in getattr(value, "__dict__", ())
+        return any(name in names for names in known)
 
     return has("unit" if has("to_value") else "units") and (has("magnitude") or has("to_value"))
 

@@ -253,11 +253,11 @@ class DiscreteModel:
         """
         require_independent(self.system, self.supports)
 
-    def require_held(self, loads: LoadState, *, searching: bool = False) -> list[FreeMotion]:
+    def require_held(self, loads: Callable[[], LoadState], *, searching: bool = False) -> list[FreeMotion]:
         """Refuse a static solution if supports and loads leave a rigid motion undetermined.
 
         Args:
-            loads: that act.
+            loads: returns those that act, which are looked at only where supports leave a motion.
             searching: let rotations and mechanisms pass that loads may hold in another position.
 
         Returns:
@@ -270,7 +270,7 @@ class DiscreteModel:
         motions = [] if many else free_motions(self.problem)
         if not (many or motions):
             return []
-        self.system.assemble(State.reference(self.problem), loads, None, tangent=True, moving=False)
+        self.system.assemble(State.reference(self.problem), loads(), None, tangent=True, moving=False)
         size = 6 * self.problem.size
         stiffness = self.system.matrix.sparse()[:size, :size]
         found = undetermined_of_many(self.problem, self.system.external, stiffness) if many else None

@@ -79,7 +79,7 @@ class _Equilibrium:
             partial(self._compare_meshes, self.history.records[-1].states.at(-1), factor)
         )
         found = {"found_by": self._found_by()} | stability_attributes(
-            search.stability, inertia_known=self.discrete.inertia_known
+            search.stability, lambda: self.discrete.inertia_known
         )
         return self._result(Outcome.COMPLETED, found, mesh)
 
@@ -126,7 +126,8 @@ class _Equilibrium:
             search.near = StartState(discrete, Start(result=discrete.coarser)).state
         from_reference = number == 0 and self.settings.start is None
         if from_reference or allowed:
-            loose = discrete.require_held(discrete.static.loads.at(0.0, True, factor), searching=allowed)
+            loads = partial(discrete.static.loads.at, 0.0, True, factor)
+            loose = discrete.require_held(loads, searching=allowed)
             search.loose = loose if from_reference else []
         self.searches.append(search)
         return search
@@ -231,7 +232,7 @@ def equilibrium_near(
     factor = 1.0 if factor is None else factor
     whole = Stage.whole(discrete.static, len(discrete.model.loads), factor)
     begin_at(discrete.static, whole, found.state, 0.0, True)
-    discrete.require_held(discrete.static.loads.at(0.0, True), searching=True)
+    discrete.require_held(partial(discrete.static.loads.at, 0.0, True), searching=True)
     search = Search(discrete, origin=found.label)
     done = search.run(found.state)
     end_stages(discrete.static)
@@ -255,12 +256,13 @@ def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: b
     require_no_initial_strain(discrete)
     discrete.supports.update(0.0, before)
     loads = discrete.static.loads.at(0.0, before)
-    strained = discrete.system.constraints.is_strained(state, 0.0, before=before)
+    jointed = discrete.problem.joints.count > 0
+    strained = jointed and discrete.system.constraints.is_strained(state, 0.0, before=before)
     resting = not discrete.problem.rest_strains
     if resting and loads.none and not discrete.supports.target.any() and not strained:
         return None
     search = Search(discrete, before=before)
-    search.loose = discrete.require_held(loads, searching=True)
+    search.loose = discrete.require_held(lambda: loads, searching=True)
     last = time.perf_counter()
 
     def on_step(reached: float, *_: Any) -> None:

@@ -30,7 +30,7 @@ def begin_growing(discrete: DiscreteModel, constant: Sequence[str], nothing: str
     if constant:
         last = constant_stage(discrete, constant)
         begin_stage(static, last, None, 0.0, True)
-        discrete.require_held(static.loads.at(0.0, True, 1.0), searching=True)
+        discrete.require_held(lambda: static.loads.at(0.0, True, 1.0), searching=True)
         move(discrete, state, 1.0, "the prestress")
         whole = Stage(
             np.where(last.loads > 0.0, last.loads, whole.loads),
@@ -40,7 +40,7 @@ def begin_growing(discrete: DiscreteModel, constant: Sequence[str], nothing: str
     begin_stage(static, whole, last, 0.0, True)
     growing = static.loads.at(0.0, True, 1.0)
     if last is None:
-        discrete.require_held(growing)
+        discrete.require_held(lambda: growing)
     if not _grows(whole, last, discrete):
         raise InputError(
             f"{nothing}: no load or prescribed motion grows at t = 0; add one, or leave it out of constant"

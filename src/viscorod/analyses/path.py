@@ -38,7 +38,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
     if settings.start is None:
-        discrete.require_held(loads)
+        discrete.require_held(lambda: loads)
         state, first = reference, 0.0
     else:
         state, first = equilibrium_near(discrete, settings.start, own_factor=True)
@@ -95,7 +95,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         attrs["message"] = _failure(discrete, path, history)
     found = None
     if path.count:
-        attrs |= stability_attributes(last[-1], inertia_known=discrete.inertia_known)
+        attrs |= stability_attributes(last[-1], lambda: discrete.inertia_known)
         found = Equilibrium.later(discrete.arrays("equilibrium", history, attrs))
     if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
         raise SolveError(attrs["message"], found, coarse=path.outcome is Outcome.WRAPPED)

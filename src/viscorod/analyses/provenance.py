@@ -102,13 +102,15 @@ def section_record(model: ModelDescription, gauss: GaussPositions) -> dict[str, 
         if rod.material is not None and rod.material.assumptions:
             found[name] = {"material": rod.material.to_dict()}
         sampled: dict[str, Any] = {}
+        by_function = callable(rod.section) and not isinstance(rod.section, AnySection)
+        if not (by_function or rod.curvature_correction):
+            continue
         stations = gauss.s[gauss.rod == number].tolist()
-        if callable(rod.section) and not isinstance(rod.section, AnySection):
+        if by_function:
             sampled["sampled"] = [rod.section_at(s).to_dict() for s in stations]
         if rod.curvature_correction:
             sampled["bent"] = [rod.curvature_at(s).tolist() for s in stations]
-        if sampled:
-            found[name] = found.get(name, {}) | {"stations": stations} | sampled
+        found[name] = found.get(name, {}) | {"stations": stations} | sampled
     return {"sections": json.dumps(found)} if found else {}
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any
 
 from viscorod.casefile.case_reader import TABLES
@@ -14,7 +15,8 @@ __all__ = ["parts_of", "put"]
 _KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
 
 
-def parts_of(key: str) -> list[str | int]:
+@lru_cache
+def parts_of(key: str) -> tuple[str | int, ...]:
     """Return the words and numbers of a key.
 
     Raises:
@@ -24,7 +26,7 @@ def parts_of(key: str) -> list[str | int]:
     if "".join(m[0] for m in _KEY.finditer(key)) != key or not parts:
         why, instead = "this is not a key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
         raise InputError(Fault("values", show(key), why, instead))
-    return parts
+    return tuple(parts)
 
 
 def put(content: dict[str, Any], key: str, value: Any) -> None:

@@ -124,7 +124,7 @@ class RecordedStates(WellNamed, Shown, Alike):
 
     def vector(self, site: ResultPlace, quantity: Quantity) -> Floats:
         """Return a vector at a site, ``(time or load_factor, axis)``, global axes, SI; other stations are not read."""
-        return site.mixed(self.field(quantity, stations=site.stations))
+        return site.mixed(self._field(quantity, slice(None), site.stations))
 
     @checked
     def field(
@@ -143,6 +143,10 @@ class RecordedStates(WellNamed, Shown, Alike):
         Raises:
             InputError: no such quantity.
         """
+        return self._field(quantity, states, stations)
+
+    def _field(self, quantity: Quantity, states: int | slice, stations: Integers | None) -> Floats:
+        """Do what :meth:`field` does, whose arguments are checked."""
         stored = self.stored
         known = ("position", "displacement") + (("velocity",) if "velocity" in stored else ())
         if quantity not in known:

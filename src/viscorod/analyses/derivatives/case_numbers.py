@@ -95,7 +95,7 @@ def with_values(model: M, values: dict[str, float]) -> M:
 def _place(key: str) -> tuple[str, str | int, list[str | int]]:
     """Return the table, the part in it and the way within it to a number."""
     parts = parts_of(key)
-    table, rest = parts[0], parts[1:]
+    table, rest = parts[0], list(parts[1:])
     if isinstance(table, str) and table in SETTINGS:
         raise InputError(
             Fault("derivatives", show(key), "this is a setting of the analysis", "name a number of the model")

@@ -27,7 +27,7 @@ APART = 1e-9
 
 def off_centre(model: ModelDescription) -> Iterator[Fault]:
     """Find supports at named points of bodies that hold some motions only: the held motions depend on the rotation."""
-    for support in resolved_supports(model):
+    for support in resolved_supports(model) if model.bodies else ():
         place = support.place
         if isinstance(place, BodyPlace) and place.point is not None and support.fixed != MOTIONS:
             yield Fault(

@@ -152,8 +152,7 @@ class OwnParts(WellNamed, Shown, ABC):
 
     def __setattr__(self, name: str, value: Any) -> None:
         """Set a list of parts; any other name of this class is a method, or a slip that would do nothing."""
-        own = type(self).__module__.startswith("viscorod.")
-        if name.startswith("_") or name in _LISTS or not (own or hasattr(type(self), name)):
+        if name in _LISTS or name.startswith("_") or not (_is_own(type(self)) or hasattr(type(self), name)):
             super().__setattr__(name, value)
             return
         if hasattr(type(self), name):
@@ -163,6 +162,11 @@ class OwnParts(WellNamed, Shown, ABC):
                 )
             )
         raise UnknownAttributeError.of(self, name)
+
+
+def _is_own(kind: type) -> bool:
+    """Return whether a class is one of this package."""
+    return kind.__module__.startswith("viscorod.")
 
 
 _LISTS = frozenset((*NOUNS, "materials", "sections"))

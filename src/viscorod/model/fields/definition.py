@@ -112,6 +112,9 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
     #: Words that are no fields and are often taken for one, and what to give instead.
     hints: ClassVar[dict[str, str]] = {}
 
+    #: Whether it is a function of time, of anything: its numbers may wait for what they measure.
+    of_anything: ClassVar[bool] = False
+
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
     unused: ClassVar[tuple[str, ...]] = ()
 

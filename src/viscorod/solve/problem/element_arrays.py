@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import accumulate
 from typing import NamedTuple
 
 import numpy as np
@@ -95,9 +96,9 @@ def gauss_indices(sets: tuple[ElementSet, ...]) -> Integers:
 
 def element_groups(problem: Problem) -> tuple[ElementGroup, ...]:
     """Return which of the elements of a problem have one order."""
-    first = np.cumsum([0, *(len(e.nodes) for e in problem.sets)])
+    first = accumulate((len(e.nodes) for e in problem.sets), initial=0)
     return tuple(
-        ElementGroup(int(begin), len(e.nodes), e.order, e.coupled, e.damped, bool(e.held.any()))
+        ElementGroup(begin, len(e.nodes), e.order, e.coupled, e.damped, bool(e.held.any()))
         for begin, e in zip(first, problem.sets, strict=False)
     )
 

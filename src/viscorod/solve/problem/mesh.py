@@ -271,9 +271,10 @@ def element_sets(mesh: Mesh, places: tuple[SetPlaces, ...]) -> tuple[tuple[Eleme
         for i in where.rods:
             mine = slice(first, first + len(mesh.rods[i].ends) - 1)
             section[mine], widths[mine], lumped = _sections_along(mesh.rods[i].rod, where, mine, table)
-            links = where.links[mine]
-            for e, k in zip(*np.nonzero(links >= 0), strict=True):
-                lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
+            if len(mesh.link_positions):
+                links = where.links[mine]
+                for e, k in zip(*np.nonzero(links >= 0), strict=True):
+                    lumped[e, k] = _moved(lumped[e, k], mesh, int(links[e, k]))
             np.add.at(mass, where.nodes[mine], lumped)
             first = mine.stop
         tables.append(table)

@@ -33,8 +33,8 @@ class NodeTurns:
         found = []
         for nodes, links in (self._first, self._then):
             q: Floats = state.q[nodes]
-            linked = links >= 0
-            if linked.any():
+            if len(self._turned):
+                linked = links >= 0
                 q[linked] = product(q[linked], self._turned[links[linked]])
             found.append(q)
         return found[0], found[1]
@@ -45,8 +45,8 @@ class NodeTurns:
         Past it, the rotation between two nodes has not changed by as much as they have turned, but by whole turns less.
         """
         (a, b), (a1, b1) = self._ends(old), self._ends(new)
-        turned = np.stack([np.einsum("nk,nk->n", *pair) for pair in ((a, b), (a1, b1), (a, a1), (b, b1))])
-        if np.abs(turned).min(initial=1.0) > SURELY_SMALL:
+        pairs = (a, b), (a1, b1), (a, a1), (b, b1)
+        if all(float(np.abs(_scalars(*pair)).min(initial=1.0)) > SURELY_SMALL for pair in pairs):
             return False
         # from end to end before and then, and of the second and the first end from before to then, all in one call
         turns = product(conjugate(np.concatenate([a, a1, b, a])), np.concatenate([b, b1, b1, a1]))
@@ -59,6 +59,11 @@ class NodeTurns:
     def worst(self, state: State) -> int:
         """Return a node at the largest rotation."""
         return int(self._first[0][np.argmax(np.linalg.norm(self.of(state), axis=1))])
+
+
+def _scalars(a: Floats, b: Floats) -> Floats:
+    """Return the scalar parts ``(n,)`` of the rotations from unit quaternions to others."""
+    return np.asarray((a * b).sum(axis=1))
 
 
 @once_of_layout

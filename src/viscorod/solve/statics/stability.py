@@ -98,13 +98,18 @@ def stability_of(
     return Stability(divergent + int(np.count_nonzero(oscillating)), divergent, True, small.complete)
 
 
-def stability_attributes(found: Stability, *, inertia_known: bool = True) -> dict[str, Any]:
+def stability_attributes(
+    found: Stability, inertia_known: Callable[[], bool] = lambda: True
+) -> dict[str, Any]:
     """Return the attributes of a result that tell the stability of its last state."""
-    judged = ("small motions" if found.complete else SOME_MOTIONS) + ("" if inertia_known else NO_INERTIA)
+    judged = "tangent stiffness"
+    if found.by_motion:
+        judged = "small motions" if found.complete else SOME_MOTIONS
+        judged += "" if inertia_known() else NO_INERTIA
     return {
         "negative_eigenvalues": found.unstable,
         "flutter": found.oscillating,
-        "stability": judged if found.by_motion else "tangent stiffness",
+        "stability": judged,
     }
 
 

@@ -39,9 +39,8 @@ class StepActions:
             offset=self.loads.offset,
         )
         self.content: StepContent | None = None
-        problem = system.problem
-        self._count = load_count(problem)
-        self._rest = ExternalLoads(system.problem)
+        self._count = load_count(system.problem)
+        self._rest: ExternalLoads | None = None
         self._written: list[LoadState | None] = [None] * stages
 
     def look_within(self, start: float, end: float) -> None:
@@ -59,6 +58,8 @@ class StepActions:
             return None
         factors = dict.fromkeys(range(self._count), 0.0) | self.content.rest
         external = np.zeros_like(state.twist)
+        if self._rest is None:
+            self._rest = ExternalLoads(self.system.problem)
         self._add(self._rest.at(t, given=factors), state, external)
         return external
 
