@@ -59,6 +59,7 @@ def write_files(folder):
     write_decay(folder / "trial.csv")
     write_decay(folder / "trial_3.csv")
     write_hit(folder / "hit.uff")
+    write_hit(folder / "shaker.uff")
     write_sweeps(folder / "sweeps.csv")
     (folder / "beam.toml").write_text(toml_text(content("simulate", duration=1.0)))
 
