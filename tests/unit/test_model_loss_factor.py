@@ -10,7 +10,6 @@ from helpers.plain_text import flat
 from viscorod.analyses.check import check, doubts
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import InputError
-from viscorod.solve.settings.statics import EquilibriumSettings
 
 BAND = (1.0, 1000.0)
 
@@ -212,6 +211,6 @@ def test_frequencies_outside_of_the_band_are_told():
     first = float(check(model).frequencies[0])
     assert len(found) == 1
     assert f"of the model {first:.3g}" in found[0]
-    assert doubts(model, EquilibriumSettings())[-1].startswith("rod bar: its loss factor holds")
+    assert doubts(model)[-1].startswith("rod bar: its loss factor holds")
     inside = DiscreteModel.of(bar(metal(extension=0.01, band=(1.0, 1000.0))))
     assert not any("loss factor" in text for text in check(inside).warnings)
