@@ -23,8 +23,6 @@ PER_TURN = 24
 """Places of a turn at which the distance to the next one is looked at; between them it is a parabola."""
 BESIDE = PER_TURN // 4
 """Places before and behind a whole turn farther on within which the nearest one is sought."""
-
-
 LOOKED_AT = 200
 """States of a history at most."""
 
@@ -64,9 +62,8 @@ def touching_coils(
 def touching_in(rods: Mapping[str, Rod], problem: Problem, history: History, words: str) -> Iterator[str]:
     """Yield the same of some of the states of a history, with what to say of its instants, such as "at {:.4g} s"."""
     if any(map(_thickness, rods.values())):
-        kept = History.sample(
-            history, LOOKED_AT
-        )  # those that it holds, whatever samples a stream takes beside them
+        # those that it holds, whatever samples a stream takes beside them
+        kept = History.sample(history, LOOKED_AT)
         yield from touching_coils(rods, problem, ((words.format(at), shot.state) for at, shot in kept))
 
 
