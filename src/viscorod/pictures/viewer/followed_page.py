@@ -46,24 +46,27 @@ def followed_page(result: FollowedModes, most: int) -> CurveParts:
             for k, name in zip(modes, result.modes, strict=True)
         ]
 
+    def mark(at: float, frequency: float, text: str, kind: str) -> dict[str, Any]:
+        return {"x": at, "y": scale * frequency, "text": text, "kind": kind}
+
     limits = [
-        {
-            "x": one.at,
-            "y": scale * one.frequency,
-            "text": f"{one.mode} {'begins' if one.unstable else 'ceases'} to grow: {one.kind}",
-            "kind": "limit of stability",
-        }
+        mark(
+            one.at,
+            one.frequency,
+            f"{one.mode} {'begins' if one.unstable else 'ceases'} to grow: {one.kind}",
+            "limit of stability",
+        )
         for one in result.limits
     ]
     marks, guides = limits, []
     if isinstance(result, Campbell):
         marks = [
-            {
-                "x": one.speed,
-                "y": scale * one.frequency,
-                "text": f"critical speed of {one.mode}, order {one.order:g}",
-                "kind": "critical speed",
-            }
+            mark(
+                one.speed,
+                one.frequency,
+                f"critical speed of {one.mode}, order {one.order:g}",
+                "critical speed",
+            )
             for one in result.critical_speeds
         ] + limits
         end = float(result.values[-1])
