@@ -162,14 +162,11 @@ class Record(AnyRecord):
             InputError: it cannot be read, a column is missing, a unit is missing or of another kind.
         """
         columns = columns_of(source, value)
-        if gaps not in ("refuse", "leave out"):
-            raise InputError(Fault("gaps", repr(gaps), "it is not known", "use 'refuse' or 'leave out'"))
         if rate is not None:
             if rate <= 0.0:
                 raise InputError(Fault("rate", f"{rate:g}", "it is not positive", "give samples per second"))
             columns, time = columns.timed(1.0 / rate, "time"), "time"
-        if gaps == "leave out":
-            columns = columns.without_gaps([("time", time), ("value", value)])
+        columns = columns.kept(gaps, [("time", time), ("value", value)])
         if quantity not in QUANTITIES:
             raise InputError(
                 Fault("quantity", repr(quantity), "it is not known", f"use one of {', '.join(QUANTITIES)}")

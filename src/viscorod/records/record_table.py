@@ -95,7 +95,10 @@ def _modes(given: dict[str, Any]) -> AnyRecord:
     """Return a table of frequencies; from a file by the columns `frequency` and, if given, `damping_ratio`."""
     file = given.pop("file", None)
     if file is not None:
-        columns = columns_of(file)
+        gaps, wanted = given.pop("gaps", "refuse"), [("frequency", given.get("frequency", 1))]
+        if "damping_ratio" in given:
+            wanted.append(("damping_ratio", given["damping_ratio"]))
+        columns = columns_of(file).kept(gaps, wanted)
         given["frequencies"] = columns.si(
             "frequency", given.pop("frequency", 1), "Hz", given.pop("frequency_unit", None)
         )
@@ -114,10 +117,11 @@ def _static(given: dict[str, Any]) -> AnyRecord:
     """Return static loads; from a file by the columns `load` and `value`."""
     file = given.pop("file", None)
     if file is not None:
-        columns = columns_of(file)
+        load, value = given.pop("load", 1), given.pop("value", 2)
+        columns = columns_of(file).kept(given.pop("gaps", "refuse"), [("load", load), ("value", value)])
         unit = "1" if given.get("quantity") == "strain" else "N" if given.get("quantity") == "force" else "m"
-        given["loads"] = columns.si("load", given.pop("load", 1), "N", given.pop("load_unit", None))
-        given["values"] = columns.si("value", given.pop("value", 2), unit, given.pop("unit", None))
+        given["loads"] = columns.si("load", load, "N", given.pop("load_unit", None))
+        given["values"] = columns.si("value", value, unit, given.pop("unit", None))
     return StaticRecord(**given)
 
 
