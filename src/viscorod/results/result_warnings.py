@@ -29,10 +29,16 @@ _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
 
+def stored_warnings(data: xr.Dataset) -> list[str]:
+    """Return the warnings stored with a result: ``doubts`` about the model, and ``warnings``; each once."""
+    stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
+    return [str(text) for text in dict.fromkeys(stored)]
+
+
 def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
-    Stored ones are the JSON lists of texts in the attributes ``doubts`` (about the model) and ``warnings``. Added are:
+    Added to the stored ones are:
     a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
     more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
     the largest section force, or could not be estimated, critical loads that change by more than 1 % with it, and
@@ -40,8 +46,7 @@ def warnings_of(result: Result) -> list[str]:
     (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.data
-    stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
-    texts = [str(text) for text in dict.fromkeys(stored)]
+    texts = stored_warnings(data)
     lost = energy_doubt(data)
     if lost and lost not in texts:
         texts.append(lost)
