@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.analyses.call_arguments import CallOptions
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.provenance import provenance, section_record

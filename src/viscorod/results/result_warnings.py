@@ -14,8 +14,6 @@ from viscorod.results.validity import SMALL_STRAIN
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from viscorod.results.result import Result
     from viscorod.results.state_arrays import Stored
 
@@ -29,7 +27,7 @@ _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
 
-def stored_warnings(data: xr.Dataset) -> list[str]:
+def stored_warnings(data: Stored) -> list[str]:
     """Return the warnings stored with a result: ``doubts`` about the model, and ``warnings``; each once."""
     stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
     return [str(text) for text in dict.fromkeys(stored)]
@@ -45,7 +43,7 @@ def warnings_of(result: Result) -> list[str]:
     shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains
     (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
-    data = result.data
+    data = result.stored
     texts = stored_warnings(data)
     lost = energy_doubt(data)
     if lost and lost not in texts:
@@ -65,7 +63,7 @@ def warnings_of(result: Result) -> list[str]:
 
 def _mode_warnings(result: Result) -> list[str]:
     """Return warnings of a motion in too few modes."""
-    attrs, texts = result.data.attrs, []
+    attrs, texts = result.stored.attrs, []
     gap = float(attrs.get("modes_motion_gap", 0.0))
     if gap > _MODES:
         texts.append(
@@ -101,7 +99,7 @@ def energy_doubt(data: Stored) -> str:
 
 def _mesh_warnings(result: Result) -> list[str]:
     """Return warnings of a mesh that is too coarse for what was computed, or whose error is unknown."""
-    attrs, texts = result.data.attrs, []
+    attrs, texts = result.stored.attrs, []
     motion, force = (float(attrs.get(f"mesh_{name}_error", 0.0)) for name in ("motion", "force"))
     worst = max(result.mesh_errors.items(), key=lambda pair: pair[1], default=("", np.inf))
     # what is less than the steps were asked for tells nothing of the mesh, such as the rest of a shaft that only spins
@@ -124,7 +122,7 @@ def _mesh_warnings(result: Result) -> list[str]:
     return texts
 
 
-def _critical_warnings(data: xr.Dataset) -> list[str]:
+def _critical_warnings(data: Stored) -> list[str]:
     """Return a warning of critical loads that change with the mesh."""
     errors = data["critical_error"].values if "critical_error" in data else np.zeros(0)
     doubtful = np.flatnonzero(errors > _LOAD)
@@ -141,7 +139,7 @@ def _critical_warnings(data: xr.Dataset) -> list[str]:
 
 def _strain_warnings(result: Result) -> list[str]:
     """Return one warning each for crushed sections, for shear or stretch, and for bending or twist that are large."""
-    data = result.data
+    data = result.stored
     if "strain" not in data or not data.sizes.get("point", 0):
         return []
     low, high = extremes(result, "strain")
@@ -178,7 +176,7 @@ def _law(strain: float) -> str:
     )
 
 
-def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:
+def _largest(data: Stored, values: Floats) -> tuple[float, int, str]:
     """Return the largest of ``(point, component)``, its component and " at rod@s"."""
     point, component = (int(k) for k in np.unravel_index(int(np.argmax(values)), values.shape))
     where = ""

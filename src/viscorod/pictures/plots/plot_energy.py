@@ -43,11 +43,11 @@ def gravity_potential(run: Run) -> Floats | None:
     It is the work against gravity, -g times the integral of the linear momentum over time: its spline is integrated.
     """
     pull = weight_of(run)
-    if pull is None or "linear_momentum" not in run.data or run.time.size < 4:
+    if pull is None or "linear_momentum" not in run.stored or run.time.size < 4:
         return None
     from scipy.interpolate import CubicSpline
 
-    rate = -np.asarray(run.data["linear_momentum"].values, dtype=float) @ pull
+    rate = -np.asarray(run.stored["linear_momentum"].values, dtype=float) @ pull
     time, first = np.unique(run.time, return_index=True)
     work: Floats = CubicSpline(time, rate[first]).antiderivative()(run.time)
     return work if np.any(work) else None

@@ -20,7 +20,7 @@ MOST_NAMES = 4
 
 def effort(result: Result) -> str:
     """Return steps and times, solver, estimated errors of mesh and steps."""
-    attrs = result.data.attrs
+    attrs = result.stored.attrs
     parts = [counted(int(attrs[name]), words) for name, words in COUNTERS.items() if name in attrs]
     if "wall_time_s" in attrs:
         parts.append(f"{attrs['wall_time_s']:.3g} s wall time")
@@ -70,7 +70,7 @@ def _modes(attrs: Mapping[str, Any]) -> str:
 
 def _mesh(result: Result) -> str:
     """Say how the rods are divided and what that makes wrong."""
-    data = result.data
+    data = result.stored
     rods, orders = (data[f"station_{name}"].values.tolist() for name in ("rod", "order"))
     order = dict(zip(rods, orders, strict=True))
     meshes = [
