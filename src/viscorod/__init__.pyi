@@ -25,6 +25,9 @@ from .model.actions.load import Force as Force
 from .model.actions.load import Gravity as Gravity
 from .model.actions.load import Moment as Moment
 from .model.actions.load import MovingForce as MovingForce
+from .model.actions.loads_in_space import DistributedForceTowards as DistributedForceTowards
+from .model.actions.loads_in_space import ForceOnLine as ForceOnLine
+from .model.actions.loads_in_space import ForceTowards as ForceTowards
 from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.time_function import Constant as Constant
 from .model.actions.time_function import Ramp as Ramp
