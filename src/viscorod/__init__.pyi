@@ -88,6 +88,7 @@ from .model.sections.section_stations import Stations as Stations
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .model.sections.taper import Taper as Taper
+from .model.sections.trapeze_effect import TrapezeEffect as TrapezeEffect
 from .pictures.viewer import view as view
 from .records.free_decay import decay as decay
 from .records.master_curve import master_curve as master_curve

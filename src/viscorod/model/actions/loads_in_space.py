@@ -7,7 +7,7 @@ the section: they are loads that see motion.
 from __future__ import annotations
 
 from abc import abstractmethod
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from typing import TYPE_CHECKING, ClassVar, Literal, TypeAlias
 
 import numpy as np
@@ -63,7 +63,7 @@ def _on_line(point: Floats, force: Floats) -> InSpace:
     return lambda r: np.concatenate([force, np.cross(point - r, force)])
 
 
-def _directed(point: Vector, positions: Floats) -> Iterator[RefusedError]:
+def _directed(point: Sequence[float], positions: Floats) -> Iterator[RefusedError]:
     """Yield why a force from one of the positions ``(n, 3)`` cannot point to a point."""
     distances = np.linalg.norm(np.array(point) - positions, axis=1)
     least = APART * max(1.0, float(np.abs(positions).max()))
