@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
 from viscorod.analyses.start_state import StartState, require_still
+from viscorod.analyses.thin_twist import thin_twist_of_modes
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.modes_result import Modes
 from viscorod.results.state_arrays import Arranged
@@ -21,6 +24,8 @@ from viscorod.solve.start import Start
 __all__ = ["modes"]
 
 
+TWISTING = 0.1
+"""Part of the elastic energy that twist has in modes to which the torsional stiffness matters."""
 _WORDS = {
     "equilibrium": "the equilibrium just before t = 0",
     "released": "the equilibrium just after t = 0",
@@ -90,6 +95,11 @@ def _result(
         "mode_certified": int(found.certified),
         "mode_about": about,
     }
+    if (found.shares[:, 5] > TWISTING).any():
+        points = discrete.system.gauss_positions()
+        told = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
+        if told:
+            attributes["warnings"] = json.dumps(told)
     states = discrete.arrays(Modes.kind, history, attributes)
     moving = ("small_motion", "part", "station", "axis")
 

@@ -21,6 +21,8 @@ _GAP = 1e-2
 _MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
 _LOAD = 0.01  # accepted error of critical loads by the mesh, as a part of each
+_FREQUENCY = 0.01  # accepted error of frequencies by the mesh, as a part of each
+_NAMED = 8  # modes that a warning names at most
 _MODES = 0.1  # accepted difference from the motion in half as many modes, whose error is the larger one
 _OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
@@ -39,9 +41,9 @@ def warnings_of(result: Result) -> list[str]:
     Added to the stored ones are:
     a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
     more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
-    the largest section force, or could not be estimated, critical loads that change by more than 1 % with it, and
-    shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains
-    (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    the largest section force, or could not be estimated, critical loads and frequencies that change by more than 1 %
+    with it, and shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small
+    strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.stored
     texts = stored_warnings(data)
@@ -57,7 +59,9 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    texts += _mesh_warnings(result) + _critical_warnings(data) + _mode_warnings(result)
+    texts += (
+        _mesh_warnings(result) + _critical_warnings(data) + _frequency_warnings(data) + _mode_warnings(result)
+    )
     return texts + _strain_warnings(result)
 
 
@@ -134,6 +138,28 @@ def _critical_warnings(data: Stored) -> list[str]:
         f"{which} another by up to {number(100.0 * float(errors.max()), 2)} % on a finer mesh; use more elements. "
         "If that does not help, something is free to move without stiffness at every load, such as a round ring "
         "about its own line: hold it"
+    ]
+
+
+def _frequency_warnings(data: xr.Dataset) -> list[str]:
+    """Return a warning of oscillating modes, or of resonances, whose frequencies change with the mesh."""
+    resonances = float(data.attrs.get("frequency_error", 0.0))
+    if resonances > _FREQUENCY:
+        return [
+            f"frequencies of resonances may be off by up to {number(100.0 * resonances, 2)} %, because the mesh is "
+            "coarse for this; use more elements or a higher order"
+        ]
+    if "mode_error" not in data or "eigenvalue" not in data:
+        return []
+    (decay, swing), errors = np.abs(data["eigenvalue"].values).T, data["mode_error"].values
+    doubtful = np.flatnonzero((errors > _FREQUENCY) & (swing > decay))
+    if not len(doubtful):
+        return []
+    listed = ", ".join(str(k + 1) for k in doubtful[:_NAMED]) + (", ..." if len(doubtful) > _NAMED else "")
+    which = f"the frequency of mode {listed}" if len(doubtful) == 1 else f"frequencies of modes {listed}"
+    return [
+        f"{which} may be off by up to {number(100.0 * float(errors[doubtful].max()), 2)} %, because the mesh is coarse "
+        "for this; use more elements or a higher order"
     ]
 
 

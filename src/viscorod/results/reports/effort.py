@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -16,6 +17,8 @@ __all__ = ["MOST_NAMES", "counted", "effort"]
 
 MOST_NAMES = 4
 """Rods that are told one by one at most."""
+LIMITING = 10.0
+"""Times the tolerance of the steps beyond which an error of the mesh makes it worthless."""
 
 
 def effort(result: Result) -> str:
@@ -89,7 +92,13 @@ def _mesh(result: Result) -> str:
         errors.append(
             "beside the element that a travelling force is in, over which the jump of forces is spread"
         )
-    return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
+    text = f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
+    if max(result.mesh_errors.values()) > LIMITING * float(data.attrs.get("tolerance", math.inf)):
+        text += (
+            f"; they are more than the tolerance of the steps, {number(data.attrs['tolerance'], 1)}: without a finer "
+            "mesh (accuracy, or elements) steps as small gain nothing"
+        )
+    return text
 
 
 def _steps(attrs: Mapping[str, Any]) -> str:
