@@ -117,9 +117,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
         upper.set_xticks([time.mean()])
     lowest = min(float(supplied.min()), 0.0 if potential is None else float(potential.min()))
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * lowest))
-    one_row = len(names) == 3 and potential is None
-    legend_above(upper, 5 if one_row else 3)
-    if not one_row and ax is None:
+    if legend_above(upper, 5) > 1 and ax is None:
         picture.subplots_adjust(top=0.85)  # two rows, below the title
     if lower is None:
         return within(upper)
