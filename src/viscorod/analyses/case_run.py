@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
@@ -47,6 +47,7 @@ _ANALYSES: dict[type, tuple[str, str]] = {
 """Where is what refines the mesh of an analysis, empty for none, and the analysis, by its settings."""
 
 
+@cache
 def _analysis(kind: type) -> Callable[[DiscreteModel, Any], AnyResult]:
     """Return the analysis of a kind of settings, on a mesh that is fine enough for it.
 
