@@ -42,7 +42,7 @@ class Result(RecordedStates, ABC):
 
         yield from super()._facts()
         quick = "strain" not in self.data or self.data["strain"].size <= READ_AT_ONCE
-        if found := self.warnings if quick else stored_warnings(self.data):
+        if found := self.warnings if quick else stored_warnings(self.stored):
             yield counted(len(found), "warning")
 
     @checked
