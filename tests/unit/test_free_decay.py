@@ -129,7 +129,7 @@ def test_ratios_that_differ_are_named_and_not_the_last_one_of_which_little_is_kn
     """Of 0.05 +- 0.001, 0.04 +- 0.001 and 0.045 +- 0.02 the first two are seven standard errors apart."""
     size = np.array([3.0, 2.0, 1.0])
     ratio, width = np.array([0.05, 0.04, 0.045]), 1.96 * np.array([1e-3, 1e-3, 2e-2])
-    told = _trend({"ratio": ratio, "ratio_width": width, "amplitude": size})
+    (told,) = _trend({"ratio": ratio, "ratio_width": width, "amplitude": size}, "ratio", "damping ratio", "")
     assert told.startswith("the damping ratio is not one number: 0.05 at the amplitude 3, 0.04 at 2;")
 
 
@@ -365,3 +365,23 @@ def test_hum_is_called_so_however_well_its_ratio_is_told(seed):
     found = vr.decay(times, values + 0.06 * np.random.default_rng(seed).normal(size=len(times)), start=0.0)
     assert found.frequencies == pytest.approx([44.0 / (2.0 * np.pi), 50.0], rel=2e-3)
     assert any("does not die out: something else drives it" in one for one in found.warnings)
+
+
+def test_a_frequency_that_depends_on_the_amplitude_is_told():
+    """A softening spring: omega = omega0 (1 - A/10), its phase in closed form; one number is right nowhere."""
+    times = np.arange(0.0, 6.0, 0.01)
+    rate, omega = 0.4, 2.0 * np.pi * 4.0
+    size = np.exp(-rate * times)
+    phase = omega * (times - 0.1 * (1.0 - size) / rate)
+    noisy = size * np.cos(phase) + 1e-4 * np.random.default_rng(0).normal(size=len(times))
+    (told,) = [
+        one for one in vr.decay(times, noisy, modes=1).warnings if "the frequency is not one number" in one
+    ]
+    pairs = told.split(": ")[1].split("; ")[0].split(", ")
+    for pair in pairs:
+        hertz, amplitude = float(pair.split(" Hz")[0]), float(pair.split()[-1])
+        assert hertz == pytest.approx(4.0 * (1.0 - 0.1 * amplitude), rel=2e-3)
+    steady = np.exp(-rate * times) * np.cos(omega * times) + 1e-4 * np.random.default_rng(0).normal(
+        size=len(times)
+    )
+    assert not [one for one in vr.decay(times, steady).warnings if "not one number" in one]
