@@ -253,7 +253,8 @@ class Result(RecordedStates, ABC):
         from viscorod.results.files.storage import write
         from viscorod.results.files.stored_derivatives import groups_of, with_derivatives
 
-        return write(with_derivatives(self), path, groups_of(self.derivatives))
+        content = with_derivatives(self) if self.derivatives else self.stored
+        return write(content, path, groups_of(self.derivatives))
 
     @checked
     def save_paraview(self, path: str | Path, *, sections: bool = False) -> Path:
