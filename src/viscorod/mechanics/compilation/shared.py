@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import operator
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar
 
 import numba
@@ -97,7 +98,9 @@ class Shared(Generic[Bundle]):
         else:
             layout = _Layout(bundle)
             words = layout.blank.copy()
-            known[:] = [layout, *known[: MOST_LAYOUTS - 1]]
+        if not known or known[0] is not layout:  # the next bundle is like this one, as a rule
+            others = (other for other in list(known) if other is not layout)
+            known[:] = [layout, *itertools.islice(others, MOST_LAYOUTS - 1)]
         self._words, self._fields = words, layout.fields
         self.kind, self.number = layout.kind, layout.number
         self.address = int(words.ctypes.data)
@@ -116,51 +119,93 @@ class Shared(Generic[Bundle]):
 
 
 class _Plan:
-    """What a bundle has in it, so that others can be compared with it, and taken apart."""
+    """What a bundle has in it, so that others can be compared with it, and taken apart.
+
+    All that stands in bundles within it is looked up by one call; only rows without names are looked at by themselves.
+    """
 
     def __init__(self, bundle: tuple[Any, ...], arrays: Iterator[int], numbers: Iterator[range]) -> None:
         """Look at a bundle; arrays, numbers: where those in it stand among the words, in order."""
-        self.types = tuple(map(type, bundle))
-        self.is_array = [isinstance(item, np.ndarray) for item in bundle]
-        self.parts: list[tuple[int, _Plan]] = []
-        self.switches: list[tuple[int, bool]] = []
-        self.shared: list[tuple[int, int]] = []
-        self.numbers: list[int] = []
+        self._get, values = _looking_up(bundle)
+        self._types = tuple(map(type, values))
+        self._is_array = [isinstance(item, np.ndarray) for item in values]
+        self._rows: list[tuple[int, _Plan]] = []
+        self._switches: list[tuple[int, bool]] = []
+        self._shared: list[tuple[int, int]] = []
+        self._numbers: list[int] = []
+        self._integers: list[int] = []
         self.arrays_at: list[int] = []
         self.numbers_at: list[int] = []
-        for k, item in enumerate(bundle):
+        integers_at: list[int] = []
+        for k, item in enumerate(values):
             if isinstance(item, np.ndarray):
                 self.arrays_at.append(next(arrays))
+            elif _only_integers(item):
+                self._integers.append(k)
+                integers_at += (at for _ in item for at in next(numbers))
             elif isinstance(item, tuple):
-                self.parts.append((k, _Plan(item, arrays, numbers)))
+                if not (_is_named(bundle) and _is_named(item)):
+                    self._rows.append((k, _Plan(item, arrays, numbers)))
             elif isinstance(item, bool | np.bool_):
-                self.switches.append((k, bool(item)))
+                self._switches.append((k, bool(item)))
             else:
-                self.numbers.append(k)
+                self._numbers.append(k)
                 self.numbers_at += next(numbers)
                 if isinstance(item, Shared):
-                    self.shared.append((k, item.number))
-        self.integers = set(self.types) == {int}
-        for _, part in self.parts:  # in the order of take_apart
-            self.arrays_at += part.arrays_at
-            self.numbers_at += part.numbers_at
+                    self._shared.append((k, item.number))
+        self.numbers_at += integers_at
+        for _, row in self._rows:  # in the order of take_apart
+            self.arrays_at += row.arrays_at
+            self.numbers_at += row.numbers_at
 
     def take_apart(self, bundle: tuple[Any, ...], arrays: list[np.ndarray], numbers: list[int]) -> bool:
         """Append the arrays and numbers of a bundle, first its own; return whether it is like the first one."""
-        if tuple(map(type, bundle)) != self.types:
+        try:
+            values = self._get(bundle)
+        except AttributeError:  # there is something else in place of a bundle
             return False
-        if self.integers:
-            numbers += bundle
-            return True
-        arrays += itertools.compress(bundle, self.is_array)
-        for k in self.numbers:
-            numbers += _number(bundle[k])
-        for k, part in self.parts:
-            if not part.take_apart(bundle[k], arrays, numbers):
+        if tuple(map(type, values)) != self._types:
+            return False
+        arrays += itertools.compress(values, self._is_array)
+        for k in self._numbers:
+            numbers += _number(values[k])
+        for k in self._integers:
+            if not _only_integers(values[k]):
                 return False
-        return all(bool(bundle[k]) is value for k, value in self.switches) and all(
-            bundle[k].number == number for k, number in self.shared
+            numbers += values[k]
+        for k, row in self._rows:
+            if not row.take_apart(values[k], arrays, numbers):
+                return False
+        return all(bool(values[k]) is value for k, value in self._switches) and all(
+            values[k].number == number for k, number in self._shared
         )
+
+
+def _is_named(bundle: tuple[Any, ...]) -> bool:
+    return hasattr(bundle, "_fields")
+
+
+def _only_integers(item: Any) -> bool:
+    """Return whether an item is a bundle of integers, which is not looked into one by one."""
+    return isinstance(item, tuple) and set(map(type, item)) == {int}
+
+
+def _looking_up(bundle: tuple[Any, ...]) -> tuple[Callable[[Any], tuple[Any, ...]], tuple[Any, ...]]:
+    """Return what looks up all that a bundle has in it, bundles before what is in them, and what it finds there."""
+    paths: list[str] = []
+
+    def look_into(part: Any, before: str) -> None:
+        for name, item in zip(part._fields, part, strict=True):
+            paths.append(before + name)
+            if isinstance(item, tuple) and _is_named(item) and not _only_integers(item):
+                look_into(item, f"{before}{name}.")
+
+    if not _is_named(bundle):
+        return tuple, bundle
+    look_into(bundle, "")
+    several: Any = operator.attrgetter(*paths)
+    get = several if len(paths) > 1 else lambda given: (several(given),)
+    return get, get(bundle)
 
 
 class _Layout:
