@@ -25,6 +25,9 @@ from .model.actions.load import Force as Force
 from .model.actions.load import Gravity as Gravity
 from .model.actions.load import Moment as Moment
 from .model.actions.load import MovingForce as MovingForce
+from .model.actions.loads_in_space import DistributedForceTowards as DistributedForceTowards
+from .model.actions.loads_in_space import ForceOnLine as ForceOnLine
+from .model.actions.loads_in_space import ForceTowards as ForceTowards
 from .model.actions.rest_strain import RestStrain as RestStrain
 from .model.actions.time_function import Constant as Constant
 from .model.actions.time_function import Ramp as Ramp
@@ -85,6 +88,7 @@ from .model.sections.section_stations import Stations as Stations
 from .model.sections.stiffness_section import MaxwellBranch as MaxwellBranch
 from .model.sections.stiffness_section import StiffnessSection as StiffnessSection
 from .model.sections.taper import Taper as Taper
+from .model.sections.trapeze_effect import TrapezeEffect as TrapezeEffect
 from .pictures.viewer import view as view
 from .records.free_decay import decay as decay
 from .records.master_curve import master_curve as master_curve

@@ -290,6 +290,12 @@ KINDS: dict[str, Kind] = {
 """Name of an argument -> what checks and converts its values."""
 
 
+def _called(function: Callable[..., Any]) -> str:
+    """Return what a user wrote to call it: a class is called by its own name."""
+    whole = function.__qualname__.split(".")
+    return whole[-2] if whole[-1] == "__init__" else whole[-1]
+
+
 def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed: Sequence[Any] = ()) -> None:
     """Refuse arguments by names that a function does not have, and more values without names than it takes.
 
@@ -302,7 +308,7 @@ def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed
         first = [name for name in names[: code.co_argcount] if name not in ("self", "cls")]
         raise InputError(
             Fault(
-                function.__name__,
+                _called(function),
                 f"{listed[code.co_argcount]!r:.60}",
                 f"at most {len(first)} can be given without their names: {', '.join(first) or 'none'}",
                 f"write the name before the others: {', '.join(f'{name} = ...' for name in names[code.co_argcount :])}"
@@ -315,7 +321,7 @@ def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed
     wrong = next(name for name in given if name not in names)
     known = [name for name in names if name not in ("self", "cls")]
     advice = f"{did_you_mean(wrong, known, str)}the arguments are {', '.join(known)}"
-    raise InputError(Fault(f"{function.__name__}: {wrong}", "", "there is no argument of this name", advice))
+    raise InputError(Fault(f"{_called(function)}: {wrong}", "", "there is no argument of this name", advice))
 
 
 C = TypeVar("C", bound=type)

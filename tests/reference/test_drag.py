@@ -81,6 +81,21 @@ def test_noodle_in_a_thick_fluid_loses_what_its_drag_takes():
     assert run.energy.viscous[-1] < 1e-9 * loss[-1]
 
 
+def test_wind_carries_a_rod_along():
+    """Linear drag in wind: v = U (1 - exp(-c t/m)), the wind does the work c U v, and c v^2 of it is lost outside."""
+    speed, time = 0.7, MASS / 0.5
+    model = noodle(**LINEAR, linear_along=0.5, velocity=(0, 0, -speed))
+    model.loads.pop(0)  # the gravity
+    run = model.simulate(0.3, initial="reference", **FINE)
+    t, v = fall(run)
+    assert v == pytest.approx(-speed * np.expm1(-t / time), abs=1e-5 * speed)
+    lost = t + 2.0 * time * np.expm1(-t / time) - 0.5 * time * np.expm1(-2.0 * t / time)
+    work = t + time * np.expm1(-t / time)
+    scale = 0.5 * LENGTH * speed**2
+    assert run.energy.outside == pytest.approx(scale * lost, abs=2e-5 * scale * lost[-1])
+    assert run.energy.external == pytest.approx(scale * work, abs=2e-5 * scale * work[-1])
+
+
 def test_linear_dynamics_know_drag():
     """The same closed form where the motion is linear about the level rod, and the account of it closes."""
     options = {"formulation": "intrinsic", "damping": "linearised", "dynamics": "linear"} | FINE

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
-from viscorod.analyses.call_arguments import CallOptions
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.folded_rods import on_unfolded
 from viscorod.analyses.motion import motion

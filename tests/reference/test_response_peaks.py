@@ -2,14 +2,16 @@
 
 import numpy as np
 import pytest
+import scipy.optimize
 
 import viscorod as vr
 from helpers.plain_text import flat
+from viscorod.results.sweep_figures import figures_of
 
 YOUNG, LENGTH, WIDTH, HEIGHT, TIME = 2.06e11, 0.3, 0.02, 0.002, 2e-5
 
 
-def strip(damping: vr.KelvinVoigt | None = None, turned: float = 0.0) -> vr.Model:
+def strip(damping: vr.KelvinVoigt | vr.LossFactor | None = None, turned: float = 0.0) -> vr.Model:
     """Return a steel cantilever whose section is turned about its axis [rad]."""
     steel = vr.Material(YOUNG, 0.29, 7850.0, damping=damping)
     model = vr.Model()
@@ -28,10 +30,15 @@ def strip(damping: vr.KelvinVoigt | None = None, turned: float = 0.0) -> vr.Mode
     return model
 
 
-def tip_receptance(hertz: float, second_moment: float) -> complex:
-    """Return tip displacement over tip force of an Euler-Bernoulli cantilever with E (1 + i w tau) [m/N]."""
+def tip_receptance(
+    hertz: float, second_moment: float, loss: float | None = None, time: float = TIME
+) -> complex:
+    """Return tip displacement over tip force of an Euler-Bernoulli cantilever with E (1 + i w tau) [m/N].
+
+    With a loss factor it is E (1 + i loss).
+    """
     omega = 2 * np.pi * hertz
-    EI = YOUNG * second_moment * (1 + 1j * omega * TIME)
+    EI = YOUNG * second_moment * (1 + 1j * (omega * time if loss is None else loss))
     beta = (7850.0 * WIDTH * HEIGHT * omega**2 / EI) ** 0.25
     c, s = np.cos(beta * LENGTH), np.sin(beta * LENGTH)
     C, S = np.cosh(beta * LENGTH), np.sinh(beta * LENGTH)
@@ -60,6 +67,46 @@ def test_a_peak_between_frequencies_is_told_and_not_guessed() -> None:
     assert top.amplitude == pytest.approx(abs(tip_receptance(top.frequency, SOFT)), rel=1e-3)
     assert top.amplitude > 5 * peak.amplitude
     assert "too far apart" not in flat(fine.report())
+
+
+BAND = (5.0, 200.0)
+LOSS = 2e-4
+QUICK = LOSS / (2 * np.pi * 18.39)
+
+
+@pytest.mark.parametrize(
+    ("damping", "loss"),
+    [
+        (vr.KelvinVoigt(QUICK, QUICK), None),
+        (vr.LossFactor(extension=LOSS, shear=LOSS, band=BAND), LOSS),
+    ],
+    ids=["Kelvin-Voigt", "loss factor"],
+)
+@pytest.mark.parametrize("lines", [{"band": (10.0, 30.0)}, {"frequencies": np.arange(10.0, 31.0).tolist()}])
+def test_the_largest_response_lies_between_the_frequencies(damping, loss, lines) -> None:
+    """Of light damping, ratio 1e-4: the peak is 4 mHz wide, and whole hertz see less than a hundredth of it."""
+    found = strip(damping).frequency_response(inputs="strip.end fz", outputs="strip.end uz", **lines)
+    exact = scipy.optimize.minimize_scalar(
+        lambda f: -abs(tip_receptance(f, SOFT, loss, QUICK)),
+        bounds=(18.38, 18.4),
+        method="bounded",
+        options={"xatol": 1e-9},
+    )
+    top = found.summit()
+    assert top.frequency == pytest.approx(exact.x, rel=2e-5)  # h^2/L^2/12 by rotary inertia, which it lacks
+    assert top.amplitude == pytest.approx(-exact.fun, rel=1e-4)
+    assert figures_of(found)["peak"] == top.amplitude
+    assert figures_of(found)["peak_frequency"] == top.frequency
+    if "frequencies" in lines:
+        assert found.amplification().max() < 0.01 * top.amplitude
+
+
+def test_the_largest_response_without_damping_or_beyond_the_band_is_that_of_the_frequencies() -> None:
+    for damping, hertz in ((None, [17.0, 19.0]), (vr.KelvinVoigt(TIME, TIME), [5.0, 10.0])):
+        found = strip(damping).frequency_response(
+            inputs="strip.end fz", outputs="strip.end uz", frequencies=hertz
+        )
+        assert found.summit() == (1, hertz[1], found.amplification()[1])
 
 
 def test_responses_that_are_round_off_are_none() -> None:

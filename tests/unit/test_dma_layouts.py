@@ -367,6 +367,29 @@ def test_tan_delta_that_may_be_percent_is_told(tmp_path):
     )
 
 
+@pytest.mark.parametrize(("one", "other"), [(1.0, 1e3), (1e3, 1.0)])
+def test_moduli_of_two_units_are_told_by_the_slope_and_refused_by_tan_delta(one, other, tmp_path):
+    """A branch spectrum of one decade a branch; kPa under MPa made the loss 120 times the storage without a word."""
+    hertz = np.geomspace(0.1, 100.0, 13)
+    moduli = 1e6 * (1.0 + sum(0.1 * 1j * hertz / (1j * hertz + f) for f in (0.05, 0.5, 5.0, 50.0, 500.0)))
+    table = np.column_stack([hertz, one * moduli.real / 1e6, other * moduli.imag / 1e6])
+
+    def text(heads, columns):
+        return heads + "\n" + "".join(",".join(f"{x:.8g}" for x in row) + "\n" for row in columns)
+
+    heads = "f [Hz],E' [MPa],E'' [MPa]"
+    (note,) = read_dma_table(written(tmp_path, text(heads, table))).notes
+    assert "if one of them has another unit (Pa, kPa, MPa), the file must say so" in note
+    tangent = moduli.imag / moduli.real
+    assert float(note.split("the loss modulus is ")[1].split(" times")[0]) == pytest.approx(
+        np.median(tangent) * other / one, rel=0.01
+    )
+    right = np.column_stack([hertz, moduli.real / 1e6, moduli.imag / 1e6])
+    assert read_dma_table(written(tmp_path, text(heads, right))).notes == ()
+    with pytest.raises(InputError, match="a factor of 1000, as between units"):
+        read_dma_table(written(tmp_path, text(heads + ",tan delta", np.column_stack([table, tangent]))))
+
+
 def test_a_modulus_of_no_material_is_told(tmp_path):
     (note,) = read_dma_table(
         written(tmp_path, "f (Hz);E' (GPa);E'' (GPa)\n" + lines("{f};{s};{l}\n", 1.0))

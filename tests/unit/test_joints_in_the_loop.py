@@ -201,21 +201,25 @@ def test_what_is_pythons_in_joints_keeps_steps_one_by_one(joint, taken):
     assert run.data.attrs["steps"] > 1
 
 
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # of the axial force that the start sets off
 def test_a_pendulum_on_a_hinge_swings_as_a_rigid_one(taken):
     """Its angle after one quarter of the period of large swings, from rest at a right angle to where it hangs.
 
-    That is ``4 K(sin(45 degrees)) / omega`` with ``omega^2 = 3 g / (2 l)`` of a thin rod (elliptic integral).
+    That is ``K(sin(45 degrees)) / omega`` with ``omega^2 = (g l/2) / (l^2/3 + r^2/4)`` of a round rod (elliptic
+    integral); without r it would come 4e-5 of the length too late.
     """
     length, gravity = 0.3, 9.81
-    material = vr.Material(2e11, poissons_ratio=0.3, density=7800.0)
+    # ten times as stiff as steel, whose bending, set off by the start, moves the end by 2e-5 of the length
+    material = vr.Material(2e12, poissons_ratio=0.3, density=7800.0)
     model = vr.Model()
-    section = vr.Circle(0.002)
+    radius = 0.002
+    section = vr.Circle(radius)
     rod = vr.Rod.straight((0, 0, 0), (length, 0, 0), section=section, material=material, elements=1, order=3)
     model.add("rod", rod)
     model.revolute("rod.start", "ground", (0, 1, 0))
     model.gravity((0, 0, -gravity))
-    quarter = 1.8540746773013719 / np.sqrt(1.5 * gravity / length)
+    quarter = 1.8540746773013719 * np.sqrt((length**2 / 3.0 + radius**2 / 4.0) / (0.5 * gravity * length))
     run = model.simulate(quarter, initial="reference", tolerance=1e-6)
     assert sum(taken) == run.data.attrs["steps"]
     end = run.history("rod.end", "position").values[-1]
-    assert end == pytest.approx([0.0, 0.0, -length], abs=2e-5 * length)
+    assert end == pytest.approx([0.0, 0.0, -length], abs=5e-6 * length)

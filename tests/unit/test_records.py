@@ -259,7 +259,10 @@ def test_records_of_tables(tmp_path, run):
     found = record_of(table, tmp_path)
     assert found.values == pytest.approx(found.predicted(run), abs=1e-6)
     assert found.nuisances["beam.end.gain"].deviation == 0.02
-    with pytest.raises(vr.InputError, match="plaec: there is no argument of this name; did you mean place"):
+    with pytest.raises(
+        vr.InputError,
+        match="^Record: plaec: there is no argument of this name; did you mean place",
+    ):
         record_of({**table, "plaec": "beam"}, tmp_path)
     for missing in ("value", "quantity", "place"):
         with pytest.raises(

@@ -98,8 +98,10 @@ def test_logarithmic_axes_of_few_decades_have_plain_numbers(values, words, label
     ("names", "columns"),
     [
         (("displacement y of plate.rim", "maxima", "envelope of the last cycles, exp(-t / 0.614 s)"), 3),
-        (9 * ("a name of some thirty letters..",), 2),
+        (9 * ("a name of some thirty letters..",), 3),
         ((100 * "a", "b"), 1),
+        (("lost to viscosity (none)", "elastic", "kinetic", "numerical remainder"), 4),
+        (5 * ("some twenty letters .",), 3),
     ],
 )
 def test_a_legend_has_as_many_columns_as_end_within_the_picture(names, columns):

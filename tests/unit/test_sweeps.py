@@ -382,12 +382,24 @@ def test_processes_see_the_environment_of_now(case, monkeypatch):
 
 def test_members_of_whom_the_same_is_told_share_a_line():
     told = dict.fromkeys([*range(3, 9), 11, 13, 14], "stopped") | {20: "broke"}
-    assert told_members(told, 5) == ["members 3 to 8, 11, 13, 14: stopped", "member 20: broke"]
+    assert told_members(told, 5) == ["9 members (3 to 8, 11, 13, 14): stopped", "member 20: broke"]
     assert told_members(told, 1) == [
-        "members 3 to 8, 11, 13, 14: stopped",
-        "and messages of 1 more members in the table",
+        "9 members (3 to 8, 11, 13, 14): stopped",
+        "and 1 more message in the table",
     ]
     assert told_members(dict.fromkeys(range(0, 40, 2), "slow"), 5) == [
         "20 members (0, 2, 4, 6, 8, 10, 12, 14, ...): slow"
     ]
     assert told_members({}, 5) == []
+
+
+def test_what_is_said_of_members_with_other_numbers_is_one_line_with_ranges():
+    warned = "warning: bend 2 is off by {} % at beam@0.5; use more; warning: loads[1] is large"
+    told = {k: warned.format(size) for k, size in enumerate(("22", "5.1", "9e-1"))}
+    told[3] = "warning: bend 1 is off by 7 % at beam@0.5; use more"
+    assert told_members(told, 5) == [
+        "3 members (0 to 2): warning: bend 2 is off by 9e-1 to 22 % at beam@0.5; use more",
+        "3 members (0 to 2): warning: loads[1] is large",
+        "member 3: warning: bend 1 is off by 7 % at beam@0.5; use more",
+    ]
+    assert told_members(told, 1)[1:] == ["and 2 more messages in the table"]

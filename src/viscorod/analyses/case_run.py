@@ -5,21 +5,13 @@ from __future__ import annotations
 import json
 from collections.abc import Callable, Sequence
 from dataclasses import replace
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from pkgutil import resolve_name
 from typing import TYPE_CHECKING, Any
 
-from viscorod.analyses.call_arguments import CallOptions, Progress
+from viscorod.analyses.call_options import CallOptions, Progress
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.model import Model
-from viscorod.analyses.refined_frequencies import (
-    refined_buckling,
-    refined_modes,
-    refined_periodic,
-    refined_response,
-)
-from viscorod.analyses.refinement import refined, refined_motion
 from viscorod.casefile.case import Case
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.one_thread import one_blas_thread
@@ -34,26 +26,28 @@ from viscorod.solve.settings.statics import EquilibriumSettings, PathSettings
 from viscorod.solve.settings.steady import SteadySettings
 
 if TYPE_CHECKING:
+    from viscorod.analyses.model import Model
     from viscorod.results.any_result import AnyResult
 
 __all__ = ["as_model", "discretised_case", "run_case"]
 
 
-_ANALYSES: dict[type, tuple[Callable[..., Any] | None, str]] = {
-    SimulateSettings: (refined_motion, "motion:motion"),
-    EquilibriumSettings: (refined, "equilibrium:equilibrium"),
-    PathSettings: (refined, "path:equilibrium_path"),
-    SteadySettings: (refined, "steady:steady_rotation"),
-    ModesSettings: (refined_modes, "modes:modes"),
-    BucklingSettings: (refined_buckling, "buckling:buckling"),
-    ResponseSettings: (refined_response, "frequency_response:frequency_response"),
-    PeriodicSettings: (refined_periodic, "periodic:periodic"),
-    CampbellSettings: (None, "campbell:campbell"),
-    StabilitySettings: (None, "stability:stability"),
+_ANALYSES: dict[type, tuple[str, str]] = {
+    SimulateSettings: ("refinement:refined_motion", "motion:motion"),
+    EquilibriumSettings: ("refinement:refined", "equilibrium:equilibrium"),
+    PathSettings: ("refinement:refined", "path:equilibrium_path"),
+    SteadySettings: ("refinement:refined", "steady:steady_rotation"),
+    ModesSettings: ("refined_frequencies:refined_modes", "modes:modes"),
+    BucklingSettings: ("refined_frequencies:refined_buckling", "buckling:buckling"),
+    ResponseSettings: ("refined_frequencies:refined_response", "frequency_response:frequency_response"),
+    PeriodicSettings: ("refined_frequencies:refined_periodic", "periodic:periodic"),
+    CampbellSettings: ("", "campbell:campbell"),
+    StabilitySettings: ("", "stability:stability"),
 }
-"""What refines the mesh of an analysis, by its settings, and where the analysis is."""
+"""Where is what refines the mesh of an analysis, empty for none, and the analysis, by its settings."""
 
 
+@cache
 def _analysis(kind: type) -> Callable[[DiscreteModel, Any], AnyResult]:
     """Return the analysis of a kind of settings, on a mesh that is fine enough for it.
 
@@ -61,7 +55,7 @@ def _analysis(kind: type) -> Callable[[DiscreteModel, Any], AnyResult]:
     """
     refine, place = _ANALYSES[kind]
     analysis: Callable[[DiscreteModel, Any], AnyResult] = resolve_name(f"{__package__}.{place}")
-    return analysis if refine is None else partial(refine, analysis)
+    return partial(resolve_name(f"{__package__}.{refine}"), analysis) if refine else analysis
 
 
 def discretised_case(case: Case, options: CallOptions | None = None) -> DiscreteModel:
@@ -134,4 +128,6 @@ def run_case(
 
 def as_model(description: ModelDescription) -> Model:
     """Give a description its analyses."""
+    from viscorod.analyses.model import Model
+
     return Model.of(**description.parts())

@@ -126,7 +126,11 @@ def _first_modes(discrete: DiscreteModel) -> _FirstModes:
             "fewer elements"
         )
     return _FirstModes(
-        modes.frequencies[k:], modes.damping_ratios[k:], modes.names[k:], modes.names[:k], warnings
+        modes.frequencies[k:],
+        modes.damping_ratios[k:],
+        modes.shown.names[k:],
+        modes.shown.names[:k],
+        warnings,
     )
 
 

@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from viscorod.analyses.call_arguments import CallOptions
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion_attributes import described
 from viscorod.analyses.motion_start import initial_state, small_vibrations

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.analyses.call_arguments import CallOptions
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.modal_damping import with_known_times
 from viscorod.analyses.model_doubts import model_doubts
 from viscorod.analyses.provenance import provenance, section_record
@@ -326,7 +326,7 @@ class DiscreteModel:
         """
         complete, points = self.complete(attrs), self.system.gauss_positions()
         if history.instant:
-            told = thin_twist(self.problem, points, history.snapshots[-1].strain)
+            told = thin_twist(self.problem, self.model.rods, points, history.snapshots[-1].strain)
             words = "in this state" if history.count == 1 else "at the load factor {:.4g}"
             touching = touching_in(self.model.rods, self.problem, history, words)
             complete["doubts"] = json.dumps([*json.loads(complete.get("doubts", "[]")), *told, *touching])

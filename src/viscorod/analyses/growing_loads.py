@@ -13,7 +13,7 @@ from viscorod.errors import InputError, SolveError
 from viscorod.solve.formulations.system import State
 from viscorod.solve.statics.stage import Stage, begin_stage
 
-__all__ = ["begin_growing", "move"]
+__all__ = ["begin_growing", "move", "unloaded"]
 
 
 def begin_growing(discrete: DiscreteModel, constant: Sequence[str], nothing: str) -> State:
@@ -24,9 +24,9 @@ def begin_growing(discrete: DiscreteModel, constant: Sequence[str], nothing: str
         SolveError: there is no such equilibrium.
     """
     static = discrete.static
-    state = State.reference(discrete.problem)
     whole = Stage.whole(static, len(discrete.model.loads))
     last = None
+    state = State.reference(discrete.problem)
     if constant:
         last = constant_stage(discrete, constant)
         begin_stage(static, last, None, 0.0, True)
@@ -45,6 +45,20 @@ def begin_growing(discrete: DiscreteModel, constant: Sequence[str], nothing: str
         raise InputError(
             f"{nothing}: no load or prescribed motion grows at t = 0; add one, or leave it out of constant"
         )
+    return unloaded(discrete) if last is None else state
+
+
+def unloaded(discrete: DiscreteModel) -> State:
+    """Return the equilibrium without loads: the reference shape, unless springs push it from there.
+
+    Raises:
+        SolveError: there is none.
+    """
+    state = State.reference(discrete.problem)
+    constraints = discrete.system.constraints
+    constraints.update(0.0, True, 0.0)
+    if constraints.springs_push(state):
+        move(discrete, state, 0.0, "its springs alone")
     return state
 
 

@@ -165,6 +165,7 @@ def identify(
         "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
         "records": json.dumps([record.name for member in found.members for record in member.records]),
         "sentences": json.dumps(sentences),
+        "doubts": json.dumps([text for member in found.members for text in member.doubts]),
         "missed": json.dumps(missed(found.estimate, moved=compared is not None and compared.moved)),
     }
     chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
@@ -36,6 +38,7 @@ def linear_system(discrete: DiscreteModel, settings: LinearSettings) -> LinearSy
         about.text,
         discrete.options.title,
         len(about.loose),
+        (*json.loads(discrete.attributes["doubts"]), *about.notes),
     )
 
 

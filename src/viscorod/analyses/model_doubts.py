@@ -44,7 +44,7 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
             should cover.
     """
     shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
-    tables = [text for where, table in _records(model) for text in _uncovered(where, table, duration)]
+    tables = [text for where, table in _tables(model) for text in _of_table(where, table, duration)]
     return [
         *doubtful_numbers(model),
         *shapes,
@@ -179,14 +179,23 @@ def _loads_twice(model: ModelDescription) -> Iterator[str]:
         )
 
 
-def _records(model: ModelDescription) -> Iterator[tuple[str, TimeTable]]:
-    """Yield tables of time that are records rather than ramps, with their key paths."""
-    given: list[tuple[str, object]] = [(f"loads[{k}].time", load.time) for k, load in enumerate(model.loads)]
-    for k, support in enumerate(model.supports):
-        given += [(f"supports[{k}].motion.{word}", motion) for word, motion in support.motion.items()]
-    for where, function in given:
-        if isinstance(function, TimeTable) and (function.file is not None or len(function.knots) >= RECORD):
-            yield where, function
+def _tables(model: ModelDescription) -> Iterator[tuple[str, TimeTable]]:
+    """Yield all tables of time with their key paths: of loads, motions, motors and rest strains."""
+    for word in ("loads", "supports", "joints", "rest_strains"):
+        for k, part in enumerate(getattr(model, word)):
+            for name in type(part).model_fields:
+                given = getattr(part, name)
+                for key, one in given.items() if isinstance(given, Mapping) else [("", given)]:
+                    if isinstance(one, TimeTable):
+                        yield f"{word}[{k}].{name}{key and '.' + key}", one
+
+
+def _of_table(where: str, table: TimeTable, duration: float) -> Iterator[str]:
+    """Yield what a table was read as, and what it keeps if it is a record rather than a ramp."""
+    if table.doubt:
+        yield f"{where}: {table.doubt}"
+    if table.file is not None or len(table.knots) >= RECORD:
+        yield from _uncovered(where, table, duration)
 
 
 def _uncovered(where: str, table: TimeTable, duration: float) -> Iterator[str]:

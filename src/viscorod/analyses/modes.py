@@ -2,12 +2,16 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near, find_initial_equilibrium
 from viscorod.analyses.start_state import StartState, require_still
+from viscorod.analyses.thin_twist import thin_twist_of_modes
 from viscorod.errors import Fault, InputError, SolveError
+from viscorod.one_thread import one_blas_thread
 from viscorod.results.modes_result import Modes
 from viscorod.results.state_arrays import Arranged
 from viscorod.solve.constraints.parts import many_parts
@@ -21,6 +25,8 @@ from viscorod.solve.start import Start
 __all__ = ["modes"]
 
 
+TWISTING = 0.1
+"""Part of the elastic energy that twist has in modes to which the torsional stiffness matters."""
 _WORDS = {
     "equilibrium": "the equilibrium just before t = 0",
     "released": "the equilibrium just after t = 0",
@@ -78,7 +84,7 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
 
 
 def _result(
-    discrete: DiscreteModel, state: State, found: vibrations.Vibrations, about: str, scale: float
+    discrete: DiscreteModel, state: State, found: vibrations.ModesFound, about: str, scale: float
 ) -> Modes:
     """Return modes with the state that they are about, whose forces the static solver holds."""
     history = History()
@@ -90,17 +96,26 @@ def _result(
         "mode_certified": int(found.certified),
         "mode_about": about,
     }
+    if (found.shares[:, 5] > TWISTING).any():
+        points = discrete.system.gauss_positions()
+        told = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
+        if told:
+            attributes["warnings"] = json.dumps(told)
     states = discrete.arrays(Modes.kind, history, attributes)
     moving = ("small_motion", "part", "station", "axis")
 
     def parts(values: np.ndarray) -> np.ndarray:
         return np.stack([values.real, values.imag], axis=1)
 
+    def shown() -> vibrations.ModesShown:
+        with one_blas_thread():
+            return found.shown
+
     more: Arranged = {
-        "mode_shape": (moving, parts(found.shapes)),
-        "mode_rotation": (moving, parts(found.rotations)),
-        "mode_name": ("small_motion", np.array(found.names, dtype=str)),
-        "mode_share": (("small_motion", "component"), found.shares),
+        "mode_shape": (moving, lambda: parts(shown().shapes)),
+        "mode_rotation": (moving, lambda: parts(shown().rotations)),
+        "mode_name": ("small_motion", lambda: np.array(shown().names, dtype=str)),
+        "mode_share": (("small_motion", "component"), lambda: shown().shares),
         "mode_residual": ("small_motion", found.residuals),
         "eigenvalue": (("small_motion", "part"), parts(found.eigenvalues)),
     }

@@ -246,7 +246,7 @@ def _result(discrete: DiscreteModel, stream: Stream, attrs: LateAttributes, *, i
         run = Run.later(lambda: arrays)
         tell(arrays.attrs, energy_doubt(arrays))
         if written is not None:
-            written.write(run.data)
+            written.write(run.stored)
         return run
     if written is None:
         stream.flush()

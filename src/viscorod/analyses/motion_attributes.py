@@ -4,25 +4,26 @@ from __future__ import annotations
 
 import json
 from collections.abc import MutableMapping
-from typing import Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.modal_reduction import told_of_modes
 from viscorod.analyses.motion_stepping import integrates_strains
 from viscorod.errors import warn
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.actions.time_table import TimeTable
 from viscorod.solve.problem.discretise import MANY_ROWS
 from viscorod.solve.problem.problem import Problem
-from viscorod.solve.reduced.reduced_motion import ReducedMotion
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.amplitude import PART_OF_MOTION
 from viscorod.solve.transient.motion_scale import PartOfMotion
 from viscorod.solve.transient.pose_check import pose_gap
 from viscorod.solve.transient.transient_solver import Transient
+
+if TYPE_CHECKING:
+    from viscorod.solve.reduced.reduced_motion import ReducedMotion
 
 __all__ = ["begun_at_once", "blows", "described", "failure", "keep", "tell"]
 
@@ -68,8 +69,10 @@ def described(
         found |= {"events": json.dumps(events), "ended_by": watch.ended_by}
     if discrete.system.constraints.rows:
         found["drift_position"], found["drift_velocity"] = transient.integrator.drift
-    if isinstance(transient.integrator, ReducedMotion):
-        found |= told_of_modes(settings, transient.integrator)
+    if settings.modes is not None:
+        from viscorod.analyses.modal_reduction import told_of_modes
+
+        found |= told_of_modes(settings, cast("ReducedMotion", transient.integrator))
     elif settings.dynamics == "nonlinear":
         systems = getattr(transient.integrator, "systems", None)  # of collocation methods, without held nodes
         plan = discrete.problem.plan if systems is None else systems.real.plan

@@ -8,7 +8,6 @@ from functools import partial
 from typing import Any
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.modal_reduction import reduced_makers
 from viscorod.analyses.motion_start import held_part
 from viscorod.results.text_numbers import quantity
 from viscorod.solve.constraints.support_state import SupportState
@@ -46,6 +45,8 @@ def integrator_makers(
 ) -> tuple[Callable[..., Integrator], Callable[..., Integrator]]:
     """Return what makes the integrator of a motion from a state, and a twin of it with a system of its own."""
     if settings.modes is not None:
+        from viscorod.analyses.modal_reduction import reduced_makers
+
         return reduced_makers(discrete, settings, state)
     method = INTEGRATORS[settings.integrator]
     make: Any = method.make_linear if settings.dynamics == "linear" else method.make

@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium_near
+from viscorod.analyses.growing_loads import unloaded
 from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import AXES
 from viscorod.results.equilibrium_result import Equilibrium
@@ -39,7 +40,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         )
     if settings.start is None:
         discrete.require_held(lambda: loads)
-        state, first = reference, 0.0
+        state, first = unloaded(discrete), 0.0
     else:
         state, first = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()

@@ -145,7 +145,7 @@ def beside_finer(
         compared: returns a result with its errors, and these, from it and that of the finer mesh.
     """
     found, discrete = on_fine_enough(analysis, discrete, settings, failing=True)
-    before = np.inf
+    stuck, before = 0, np.inf
     if not discrete.watch.feasible:
         return found
     free = {name for name, rod in discrete.model.rods.items() if rod.elements is None}
@@ -161,8 +161,9 @@ def beside_finer(
             return found
         found, errors = compared(found, other)
         worst = float(errors.max(initial=0.0))
-        stuck, before = worst > GAIN * before, worst
-        if worst <= settings.accuracy or not free or stuck or finer.problem.size > MOST_CHOSEN_NODES:
+        # high modes of a rod that tapers to a point change little at first, before its mesh reaches them
+        stuck, before = (stuck + 1 if worst > GAIN * before else 0), worst
+        if worst <= settings.accuracy or not free or stuck > 1 or finer.problem.size > MOST_CHOSEN_NODES:
             return found
         if len(free) == len(coarse):
             discrete, found = finer, other

@@ -130,7 +130,7 @@ def _refined_motion(
     with last_warnings() as told:
         run, discrete = on_unfolded(analysis, discrete, settings)
         for _ in range(MOST_REPEATS):
-            motion, forces = REPEATED * settings.accuracy, np.inf
+            motion, forces = REPEATED * settings.mesh_accuracy, np.inf
             divisions = None if discrete.watch.unknown else discrete.watch.refined(motion, forces)
             if divisions is None:
                 break
@@ -184,10 +184,10 @@ def _finer_start(discrete: DiscreteModel, settings: SimulateSettings) -> Divisio
     snapshot = Snapshot.of(state, discrete.system, discrete.supports)
     if resting:
         watch.see(snapshot)
-    divisions = watch.refined(settings.accuracy)
+    divisions = watch.refined(settings.mesh_accuracy)
     if (
         divisions is None
-        and watch.phases(discrete.static, snapshot, float(resting)).leading > settings.accuracy
+        and watch.phases(discrete.static, snapshot, float(resting)).leading > settings.mesh_accuracy
     ):
         divisions = watch.halved()
     return divisions

@@ -42,6 +42,7 @@ from viscorod.solve.formulations.registry import FORMULATIONS, Formulation
 from viscorod.solve.formulations.system import State
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.settings.periodic import PeriodicSettings
+from viscorod.solve.transient.company_steps import compile_guided
 from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.collocation_step import place_predicted, try_step
 from viscorod.solve.transient.integrators.radau import Radau
@@ -245,12 +246,17 @@ def compile_step() -> None:
 
 
 def compile_loop() -> None:
-    """Compile the loop of radau's steps, and what only some models have in it, which runs use if it is there."""
+    """Compile the loop of radau's steps and those of a company, and what only some models have in it.
+
+    Runs use them if they are there.
+    """
     for model in (soft_model(), small_hinged(), small_model()):
         work = DiscreteModel.of(model)
         radau = Radau(work.system, work.supports, tolerance=1e-4)
         radau.start(0.0, State.reference(work.problem))
-        ManySteps(radau, ErrorControl(radau.estimate_order, SPAN, SPAN), SPAN, None).compile()
+        many = ManySteps(radau, ErrorControl(radau.estimate_order, SPAN, SPAN), SPAN, None)
+        many.compile()
+        compile_guided(many)
 
 
 def compile_transients() -> None:

@@ -16,7 +16,7 @@ from viscorod.casefile.shipped import shipped_cases
 from viscorod.casefile.sizes import size_problems, too_deep
 from viscorod.casefile.unit_conversion import converted
 from viscorod.checks import checked
-from viscorod.errors import Fault, InputError
+from viscorod.errors import Fault, InputError, last_warnings
 from viscorod.limits import DEEPEST_NESTING, LARGEST_CASE
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.quantities import has_quantity
@@ -123,7 +123,9 @@ def case_from_dict(
         raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)
     in_si, conversions, refused = (data, [], []) if plain else converted(data)
     reader = CaseReader(in_si if source is None else _found_from(source.parent, in_si), known)
-    reader.read(whole=not refused)
+    with last_warnings() as told:
+        reader.read(whole=not refused)
+        told.clear()  # results and checks tell them, with their keys
     reported = {problem.where for problem in refused}
     problems = [*refused, *(problem for problem in reader.problems if problem.where not in reported)]
     if not problems and reader.settings is not None:

@@ -7,7 +7,7 @@ import json
 from collections.abc import Sequence
 from contextlib import nullcontext
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
@@ -142,21 +142,17 @@ def _compute(
             if error.run is not None:
                 if isinstance(error.run, Run) and error.run.outcome == "interrupted":
                     complain(f"go on with: viscorod resume {folder}")
-                written = _write(error.run, folder, doubts)
+                written = _write(error.run, folder)
                 complain(f"written up to there: {', '.join(map(str, written))}")
             raise typer.Exit(1) from None
         if static and anew:
             remove(folder / FOLDER)
-        written = _write(result, folder, doubts)
+        written = _write(result, folder)
     told(result, written)
 
 
-def _write(
-    result: AnyResult,
-    folder: Path,
-    doubts: Sequence[str],
-) -> list[Path]:
-    """Write pictures, and data with the doubts among its warnings unless it is there already; return the files."""
+def _write(result: AnyResult, folder: Path) -> list[Path]:
+    """Write pictures, and data unless it is there already; return the files."""
     from viscorod.results.run import Run
 
     if isinstance(result, Run):
@@ -165,7 +161,5 @@ def _write(
             picture_at(result.plot_energy, folder / "energy.png"),
         ]
         return [folder / "run.nc", *pictures]
-    known: list[Any] = json.loads(result.data.attrs.get("warnings", "[]"))
-    result.data.attrs["warnings"] = json.dumps([*doubts, *known])
     picture = picture_at(result.plot, folder / f"{result.picture}.png")
     return [result.save(folder / "run.nc"), picture]

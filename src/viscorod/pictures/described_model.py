@@ -22,7 +22,7 @@ def described(result: Result) -> ModelDescription | None:
     from viscorod.casefile.case import case_from_dict
 
     try:
-        content = json.loads(result.data.attrs.get("case", "{}"))
+        content = json.loads(result.stored.attrs.get("case", "{}"))
         return case_from_dict({**content, "title": "", "equilibrium": {}}).description
     except (InputError, ValueError, TypeError, AttributeError):
         return None  # functions of Python are in no file, and other versions have other words
@@ -31,7 +31,7 @@ def described(result: Result) -> ModelDescription | None:
 def weight_of(result: Result) -> Floats | None:
     """Return the acceleration of gravity (3,) [m/s^2]; None without, and where it changes with time or is not known."""
     try:
-        loads = json.loads(result.data.attrs.get("case", "{}")).get("loads", [])
+        loads = json.loads(result.stored.attrs.get("case", "{}")).get("loads", [])
         kinds = [load.get("kind") for load in loads]
     except (ValueError, TypeError, AttributeError):
         return None

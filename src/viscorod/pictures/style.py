@@ -84,12 +84,28 @@ def legend_of_all(picture: Figure, height: float) -> None:
 
 
 def _columns_within(labels: Sequence[str], width: float, most: int = 5) -> int:
-    """Return in how many columns the entries of a legend fit into a width [inches]; they go down the columns."""
-    for columns in range(min(most, len(labels)), 1, -1):
-        longest = [max(map(len, part)) for part in np.array_split(np.array(labels, dtype=object), columns)]
-        if SMALL * sum(_LETTER * letters + _HANDLE for letters in longest) <= 72.0 * width:
-            return columns
-    return 1
+    """Return in how many columns the entries of a legend fit into a width [inches]; they go down the columns.
+
+    Of all that need as few rows it is the smallest number, so that no row has one entry alone beside a full one.
+    """
+    widths = np.array([_text_width(label) for label in labels])
+    fitting = [
+        columns
+        for columns in range(1, min(most, len(labels)) + 1)
+        if sum(part.max() + SMALL * _HANDLE for part in np.array_split(widths, columns)) <= 72.0 * width
+    ]
+    rows = -(-len(labels) // max(fitting, default=1))
+    return min((columns for columns in fitting if -(-len(labels) // columns) == rows), default=1)
+
+
+def _text_width(text: str) -> float:
+    """Return the width of small letters [points]."""
+    from matplotlib.font_manager import FontProperties
+    from matplotlib.textpath import text_to_path
+
+    return float(
+        text_to_path.get_text_width_height_descent(text, FontProperties(size=SMALL), ismath=False)[0]
+    )
 
 
 def titled(result: Result, width: float, height: float) -> Figure:
@@ -162,22 +178,26 @@ OVER_COMMON = 1.6
 """Heights of letters that the number above a vertical axis takes."""
 
 
-def legend_above(axes: Axes, columns: int, *, over_common: bool = False) -> None:
+def legend_above(axes: Axes, columns: int, *, over_common: bool = False) -> int:
     """Put the legend above an axes, where it hides nothing, in so many columns, or in fewer where they have no room.
 
-    ``over_common``: above the number that all ticks of the vertical axis have in common, if there is one.
+    ``over_common``: above the number that all ticks of the vertical axis have in common, if there is one. Returns the
+    number of rows.
     """
+    names = axes.get_legend_handles_labels()[1]
+    taken = columns_of(axes, names, columns)
     raised = OVER_COMMON if over_common and has_common_number(axes) else 0.0
     axes.legend(
         loc="lower left",
         bbox_to_anchor=(0.0, 1.0),
-        ncols=columns_of(axes, axes.get_legend_handles_labels()[1], columns),
+        ncols=taken,
         frameon=False,
         fontsize=SMALL,
         borderaxespad=0.2 + raised,
         handlelength=1.8,
         columnspacing=1.6,
     )
+    return -(-len(names) // taken)
 
 
 def has_common_number(axes: Axes) -> bool:
@@ -208,9 +228,8 @@ def legend_over(axes: Axes, columns: int) -> None:
     names = axes.get_legend_handles_labels()[1]
     if not names:
         return
-    legend_above(axes, columns)
+    rows = legend_above(axes, columns)
     title = axes.get_title(loc="left")
-    rows = -(-len(names) // columns)
     pad = 8.0 + 1.45 * SMALL * rows
     axes.set_title(title, loc="left", fontsize=TEXT, color=INK, pad=pad)
     _keep_within(axes, pad + 1.3 * TEXT)

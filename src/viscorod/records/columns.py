@@ -11,6 +11,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
+from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
 from viscorod.units import si_of, si_value
 
@@ -105,11 +106,21 @@ class Columns:
             texts={place: self.texts[k] for place, k in enumerate(kept, 1) if k in self.texts},
         )
 
-    def without_gaps(self, wanted: Sequence[tuple[str, str | int]]) -> Columns:
+    def kept(self, gaps: str, wanted: Sequence[tuple[str, str | int]]) -> Columns:
+        """Return the rows that `gaps` says: all of "refuse", those in which columns have numbers of "leave out".
+
+        Raises:
+            InputError: it says something else.
+        """
+        if gaps not in ("refuse", "leave out"):
+            raise InputError(Fault("gaps", repr(gaps), "it is not known", "use 'refuse' or 'leave out'"))
+        return self if gaps == "refuse" else self._without_gaps(wanted)
+
+    def _without_gaps(self, wanted: Sequence[tuple[str, str | int]]) -> Columns:
         """Return the rows in which some columns, each with its argument, have numbers."""
         places = [self.number(key, one) for key, one in wanted]
         for k in places:
-            self._require_numbers(k)
+            self.require_numbers(k)
         chosen = self.values[:, places]
         return replace(self, values=self.values[np.isfinite(chosen).all(axis=1)])
 
@@ -126,7 +137,7 @@ class Columns:
             InputError: no unit is known, or one of another kind; or there is a gap.
         """
         k = self.number(key, wanted)
-        self._require_numbers(k)
+        self.require_numbers(k)
         written = self.units[k]
         column = f"column {self.names[k] or k + 1}"
         argument = "unit" if key == "value" else f"{key}_unit"
@@ -158,23 +169,33 @@ class Columns:
             if (values.imag != 0.0).any():
                 raise self._refused(key, wanted, "its numbers are complex", "read it as a response")
             values = values.real
+        self.require_no_gaps(k, values)
+        found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
+        return found
+
+    def require_no_gaps(self, k: int, values: np.ndarray) -> None:
+        """Raise `InputError` where one of the values of column k (rows,) is none."""
         bad = np.flatnonzero(~np.isfinite(values))
         if len(bad):
             raise InputError(
                 Fault(
-                    f"{self.source}: {column}",
+                    f"{self.source}: column {self.names[k] or k + 1}",
                     f"row {bad[0] + 1} of the numbers",
                     "there is no number",
                     f"give gaps='leave out' to read the other {len(values) - len(bad)} rows, or complete the "
                     f"{len(bad)} without one",
                 )
             )
-        found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
-        return found
 
-    def _require_numbers(self, k: int) -> None:
+    def require_numbers(self, k: int) -> None:
+        """Raise `InputError` where a cell of column k is neither a number nor empty."""
         if k in self.texts:
             line, cell = self.texts[k]
+            if is_phase_without_unit(cell):
+                raise self._refused(
+                    self.names[k] or f"column {k + 1}", cell, f"line {line}: of a phase its unit is needed",
+                    "write it beside the number, such as 1.2@45deg, or magnitude and phase in two columns",
+                )  # fmt: skip
             raise InputError(
                 Fault(
                     self.source,

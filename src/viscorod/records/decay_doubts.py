@@ -7,6 +7,7 @@ from scipy.stats import chi2
 
 from viscorod.records.clipping import clipped_samples
 from viscorod.records.damped_sines import SineFit
+from viscorod.records.dying_noise import dying_rate, said_of_window
 from viscorod.records.motion_record import Record
 from viscorod.results.text_numbers import per_cent
 from viscorod.typing import Floats
@@ -31,6 +32,10 @@ FAINT = 0.2
 LASTING, MANY = 0.05, 20.0
 """Part by which a vibration dies out over the record, and its cycles, by which it is called a lasting one."""
 
+SAME_RATE, TWICE, HEARD = 1.5, 2.0, 0.03
+"""Ratio of rates below which modes of twice the frequency or more die out alike, and their size over the first."""
+COMPUTED = 1e-6
+"""What is left over the amplitude that is rounding or a step of a computed motion, and no noise."""
 LASTING_AT_MOST = 0.3
 """The same by the upper end of its interval, where that has zero in it, too."""
 
@@ -110,12 +115,14 @@ def doubts(
             f"half-power: refused; the width of {width:.3g} Hz has {width / bin_width:.2g} bins of {bin_width:.3g} Hz, "
             "and would be that of the bins"
         )
-    if not fit.is_white:
+    windowed = _windowed(fit, order)
+    if not fit.is_white and not any("noise dies out" in one for one in windowed):
         found.append(
             f"the residual of {fit.noise:.3g}{unit} is not white noise (its samples are correlated): the noise is "
             "coloured, which the intervals account for, or damped sines with constant ratios leave something over, "
             "which they do not"
         )
+    found += windowed
     trend = _trend(pieces)
     if trend:
         found.append(trend)
@@ -147,6 +154,30 @@ def _driven(fit: SineFit, order: np.ndarray) -> list[str]:
         return [
             f"{hertz:.4g} Hz hardly dies out meanwhile: where something drives it this is no free decay, and the ratio "
             "none of the rod; else a longer record tells more"
+        ]
+    return []
+
+
+def _windowed(fit: SineFit, order: np.ndarray) -> list[str]:
+    """Return a sentence where noise, or all modes, die out as an exponential window makes them, and none is told."""
+    if fit.weighed:
+        return []
+    rates = -fit.poles.real[order]
+    noisy = fit.noise > COMPUTED * float(np.abs(fit.amplitudes).max())
+    dying = dying_rate(fit.times, fit.residual) if noisy else None
+    if dying is not None:
+        return [
+            f"the noise {said_of_window(dying, float(rates[0]), 'if there was one, give its window_time')}"
+        ]
+    free = ~lasts(fit)[order] & (np.abs(fit.amplitudes[order]) > HEARD * np.abs(fit.amplitudes[order[0]]))
+    frequency, rates = fit.frequencies[order][free], rates[free]
+    if len(rates) < 2 or frequency.max() < TWICE * frequency.min():
+        return []
+    if 0.0 < rates.max() < SAME_RATE * rates.min() and rates.min() * float(fit.times[-1]) > 1.0:
+        return [
+            f"all modes die out at nearly the same rate, {rates.min():.3g} to {rates.max():.3g} 1/s, as an exponential "
+            f"window with a time constant of {1.0 / rates.min():.3g} s or a little more makes them: if the record was "
+            "weighed by one, give its window_time, else something outside damps"
         ]
     return []
 

@@ -23,6 +23,8 @@ __all__ = ["Record"]
 QUARTER_TURN = 0.5 * np.pi
 EVEN = 1e-3
 """Part of the interval by which samples of one rate may be off their place."""
+MOST_WEIGHED = 14.0
+"""Time constants of a window after which it is down to a millionth, and what it left is no signal."""
 UNSORTED = "sort the samples, each once; of stamps that were rounded give even times, in read by rate"
 ROUNDED = tuple(10.0**-k for k in range(10))
 """Parts of a second to which stamps may be rounded; first and last one are off too, so that all may be by one part."""
@@ -162,14 +164,11 @@ class Record(AnyRecord):
             InputError: it cannot be read, a column is missing, a unit is missing or of another kind.
         """
         columns = columns_of(source, value)
-        if gaps not in ("refuse", "leave out"):
-            raise InputError(Fault("gaps", repr(gaps), "it is not known", "use 'refuse' or 'leave out'"))
         if rate is not None:
             if rate <= 0.0:
                 raise InputError(Fault("rate", f"{rate:g}", "it is not positive", "give samples per second"))
             columns, time = columns.timed(1.0 / rate, "time"), "time"
-        if gaps == "leave out":
-            columns = columns.without_gaps([("time", time), ("value", value)])
+        columns = columns.kept(gaps, [("time", time), ("value", value)])
         if quantity not in QUANTITIES:
             raise InputError(
                 Fault("quantity", repr(quantity), "it is not known", f"use one of {', '.join(QUANTITIES)}")
@@ -315,6 +314,34 @@ class Record(AnyRecord):
             taps = firwin(20 * factor + 1, 1.0 / factor, window="hamming")
             noise = noise[::factor] * float(np.sqrt(np.sum(taps**2)))
         return self.with_samples(self.times[::factor], values, noise)
+
+    @described
+    def without_exponential(self, window_time: float, start: float | None = None) -> Self:
+        """Return the record without an exponential window that an analyser multiplied it by.
+
+        Its noise is that of the measurement again; a `noise` that was given stays as it is.
+
+        Args:
+            window_time: time constant of the window, s: at the end of a record of length T where it is down to the part
+                p this is -T/ln p.
+            start: where the window begins to fall, s; by default at the first sample.
+
+        Raises:
+            InputError: the time constant is not positive, or so short that the end has no numbers.
+        """
+        begin = float(self.times[0]) if start is None else float(start)
+        last = float(self.times[-1]) - begin
+        if not window_time > 0.0 or last > MOST_WEIGHED * window_time:
+            raise InputError(
+                Fault(
+                    f"record {self.name}: window_time", f"{window_time:g}",
+                    "a time constant is positive" if not window_time > 0.0
+                    else f"the window would be down to {np.exp(-last / window_time):.1g} at the end",
+                    "give that of the analyser, s, or cut the end off by window",
+                )
+            )  # fmt: skip
+        growth = np.exp(np.maximum(self.times - begin, 0.0) / window_time)
+        return self.with_samples(self.times, self.values * growth, self.noise)
 
     @described
     def with_noise_of(self, start: float, end: float) -> Self:

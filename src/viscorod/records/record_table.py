@@ -21,8 +21,8 @@ from viscorod.records.unknown import Unknown
 
 __all__ = ["record_of"]
 
-MOTION_KEYS = ("window", "every", "still")
-"""What is done to a history after it was read, in this order of meaning: noise, cut, decimate."""
+MOTION_KEYS = ("window", "every", "still", "window_time")
+"""What is done to a history after it was read: an exponential window taken off, then noise, cut, decimated."""
 
 
 @described
@@ -31,8 +31,9 @@ def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
 
     Its `kind` is "motion" (the default), "response", "modes", "static" or "moduli"; `file` is its path from the folder
     on; the other keys are the arguments of `Record`, `ResponseRecord`, `ModesRecord`, `StaticRecord`, `ModuliRecord`
-    and their `read`. An unknown is a word or a table with the attributes of `Unknown`. Of histories also `still` [from,
-    to], a stretch at rest that gives the noise; `window` [from, to]; `every`, for decimation.
+    and their `read`. An unknown is a word or a table with the attributes of `Unknown`. Of histories also
+    `window_time` of an exponential window that is taken off, s; `still` [from, to], a stretch at rest that gives the
+    noise; `window` [from, to]; `every`, for decimation.
 
     Raises:
         InputError: a key is missing, unknown or wrong.
@@ -73,6 +74,8 @@ def _motion(given: dict[str, Any]) -> AnyRecord:
     after = {key: given.pop(key) for key in MOTION_KEYS if key in given}
     file = given.pop("file", None)
     record = Record(**given) if file is None else Record.read(file, **given)
+    if "window_time" in after:
+        record = record.without_exponential(after["window_time"])
     if "still" in after:
         record = record.with_noise_of(*_two("still", after["still"]))
     if "window" in after:
@@ -95,7 +98,10 @@ def _modes(given: dict[str, Any]) -> AnyRecord:
     """Return a table of frequencies; from a file by the columns `frequency` and, if given, `damping_ratio`."""
     file = given.pop("file", None)
     if file is not None:
-        columns = columns_of(file)
+        gaps, wanted = given.pop("gaps", "refuse"), [("frequency", given.get("frequency", 1))]
+        if "damping_ratio" in given:
+            wanted.append(("damping_ratio", given["damping_ratio"]))
+        columns = columns_of(file).kept(gaps, wanted)
         given["frequencies"] = columns.si(
             "frequency", given.pop("frequency", 1), "Hz", given.pop("frequency_unit", None)
         )
@@ -114,10 +120,11 @@ def _static(given: dict[str, Any]) -> AnyRecord:
     """Return static loads; from a file by the columns `load` and `value`."""
     file = given.pop("file", None)
     if file is not None:
-        columns = columns_of(file)
+        load, value = given.pop("load", 1), given.pop("value", 2)
+        columns = columns_of(file).kept(given.pop("gaps", "refuse"), [("load", load), ("value", value)])
         unit = "1" if given.get("quantity") == "strain" else "N" if given.get("quantity") == "force" else "m"
-        given["loads"] = columns.si("load", given.pop("load", 1), "N", given.pop("load_unit", None))
-        given["values"] = columns.si("value", given.pop("value", 2), unit, given.pop("unit", None))
+        given["loads"] = columns.si("load", load, "N", given.pop("load_unit", None))
+        given["values"] = columns.si("value", value, unit, given.pop("unit", None))
     return StaticRecord(**given)
 
 

@@ -240,19 +240,22 @@ class ResponseRecord(AnyRecord):
         frequency_unit: str | None = None,
         phase_unit: str | None = None,
         coherence: str | int | None = None,
+        gaps: str = "refuse",
         **more: Any,
     ) -> ResponseRecord:
         """Return a response from columns of a file, or of an object of xarray or pandas; see `Record.read`.
 
         Args:
             source: path or object; the name ``source`` is that of the input of the model's response, as of the record.
-            value: a complex column; or two: real and imaginary part, or magnitude and phase where the second one is an
-                angle (deg, rad). A magnitude in dB needs the unit that it is over.
+            value: a complex column, in texts of "1.2+3.4j", "(1.2, 3.4)" or "1.2@45deg"; or two: real and imaginary
+                part, or magnitude and phase where the second one is an angle (deg, rad). A magnitude in dB needs the
+                unit that it is over.
             frequency: column of the frequencies, by name or number from 1.
             unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say; of decibels what 0 dB
                 are, or "dB re 1 g/N".
             frequency_unit, phase_unit: where the source does not say; of a phase "deg" or "rad".
             coherence: column of the coherence; it needs `averages`.
+            gaps: of lines without a number: "refuse", or "leave out".
             more: all else that a `ResponseRecord` has.
 
         Of a spectrum with two sides the lines from 0 Hz on are read; a line at 0 Hz without a number is left out.
@@ -267,7 +270,9 @@ class ResponseRecord(AnyRecord):
             raise InputError(
                 Fault("value", repr(value), "too many columns", "give one complex, or two real ones")
             )
-        if len(places) == 1 and not np.iscomplexobj(columns.values):
+        for k in places:
+            columns.require_numbers(k)
+        if len(places) == 1 and not columns.values[:, places[0]].imag.any():
             raise InputError(
                 Fault(
                     f"{columns.source}: value",
@@ -276,6 +281,8 @@ class ResponseRecord(AnyRecord):
                     "give two columns: real and imaginary part, or magnitude and phase",
                 )
             )
+        wanted: list[tuple[str, str | int]] = [("frequency", frequency), *(("value", one) for one in parts)]
+        columns = columns.kept(gaps, wanted + ([] if coherence is None else [("coherence", coherence)]))
         told = [columns.units[k] for k in places]
         numbers = [columns.values[:, k] for k in places]
         if len(places) > 1:
@@ -306,6 +313,7 @@ class ResponseRecord(AnyRecord):
             values = numbers[0] + (1j * numbers[1] if len(places) > 1 else 0.0)
         hertz = columns.si("frequency", frequency, "Hz", frequency_unit)
         kept = np.isfinite(values) | (hertz != 0.0)
+        columns.require_no_gaps(places[0], np.where(kept, values, 0.0))
         kept[kept] = one_sided(columns.source, hertz[kept], values[kept])
         if coherence is not None:
             columns = replace(columns, values=columns.values[kept])

@@ -65,8 +65,12 @@ class FitNoise:
         series = Series("", slice(0, count), regular=True, noise=np.full(count, level))
         (found,) = noise_of([series], residual, slopes).found
         order = _stable_order(found.partials, count)
-        noise = SeriesNoise(level * found.factor, found.partials[:order], found.doubt[:order, :order])
-        return cls(mixing, noise, freedom)
+        while True:
+            noise = SeriesNoise(level * found.factor, found.partials[:order], found.doubt[:order, :order])
+            told = cls(mixing, noise, freedom)
+            if not order or (np.diag(told.covariance) > 0.0).all():
+                return told
+            order -= 1  # rounding of what is nearly one leaves no variance
 
     @property
     def covariance(self) -> Floats:

@@ -18,6 +18,12 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.table_text import MISSING, SEPARATORS, Numbers, lines_of, looks_like_a_number
 from viscorod.records.clock_times import clock_seconds, is_clock_time
 from viscorod.records.columns import Columns, is_unit, name_and_unit
+from viscorod.records.complex_cells import (
+    complex_of,
+    complex_parts,
+    is_phase_without_unit,
+    with_complex_in_one,
+)
 from viscorod.records.labview_text import labview_table
 from viscorod.wording import missing
 
@@ -42,7 +48,8 @@ def columns_of_text(path: Path) -> Columns:
         raise InputError(Fault(str(path), error.found or "", error.why, error.instead)) from None
 
 
-def _table(source: str, lines: list[str]) -> Columns:
+def _table(source: str, written: list[str]) -> Columns:
+    lines = [with_complex_in_one(line) for line in written]
     divide, first, width = _layout(lines)
     first = _with_settings_beside(lines, first, divide, width)
     names, units = _heads(lines, first, divide, width)
@@ -71,7 +78,7 @@ def _table(source: str, lines: list[str]) -> Columns:
     for _, row in rows:
         for k in clocks:
             row[k] = ""
-    numbers = Numbers(cell for _, cells in rows for cell in cells if looks_like_a_number(cell))
+    numbers = Numbers(part for _, cells in rows for cell in cells for part in _numbers_in(cell))
     texts: dict[int, tuple[int, str]] = {}
     values = np.array([_row(number, cells, numbers, texts) for number, cells in rows])
     for k, found in clocks.items():
@@ -80,11 +87,20 @@ def _table(source: str, lines: list[str]) -> Columns:
     return Columns(source, names, units, values, texts)
 
 
-def _row(number: int, cells: list[str], numbers: Numbers, texts: dict[int, tuple[int, str]]) -> list[float]:
+def _numbers_in(cell: str) -> tuple[str, ...]:
+    """Return the texts of the real numbers in a cell."""
+    parts = complex_parts(cell)
+    return parts[:2] if parts else (cell,) if looks_like_a_number(cell) else ()
+
+
+def _row(
+    number: int, cells: list[str], numbers: Numbers, texts: dict[int, tuple[int, str]]
+) -> list[float | complex]:
     """Return the numbers of a line; of every column the first cell that is none is kept."""
-    found = []
+    found: list[float | complex] = []
     for k, cell in enumerate(cells):
-        value = numbers.of(cell)
+        parts = complex_parts(cell)
+        value = numbers.of(cell) if parts is None else complex_of(parts, numbers.of)
         if value is None:
             texts.setdefault(k, (number, cell))
         found.append(np.nan if value is None else value)
@@ -133,7 +149,12 @@ def _cells(line: str, divide: Callable[[str], list[str]], width: int | None = No
 
 
 def _measured(cell: str) -> bool:
-    return looks_like_a_number(cell) or is_clock_time(cell)
+    return (
+        looks_like_a_number(cell)
+        or is_clock_time(cell)
+        or complex_parts(cell) is not None
+        or is_phase_without_unit(cell)
+    )
 
 
 def _numeric(cells: list[str]) -> bool:

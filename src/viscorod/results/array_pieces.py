@@ -54,7 +54,7 @@ def in_states(variable: xr.DataArray | xr.Variable, along: str, states: Integers
 
 def blocks(result: RecordedStates, quantity: str) -> Iterator[Floats]:
     """Yield a quantity at the Gauss points or stations in pieces, states first."""
-    variable = result.data[quantity]
+    variable = result.stored[quantity]
     states = variable.sizes[result.dimension]
     step = max(1, _BLOCK // max(1, variable.size // states))
     for first in range(0, states, step):

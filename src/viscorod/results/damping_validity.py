@@ -129,7 +129,7 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
         raise InputError(
             f"tolerance = {tolerance!r}: give an accepted error of the stress above 0 and below 1"
         )
-    data = run.data
+    data = run.stored
     if "damping_laws" not in data.attrs or "strain" not in data:
         raise InputError(
             "this result does not hold its damping laws; compute it again with this version of viscorod"
@@ -164,25 +164,25 @@ def damping_validity(run: Run, tolerance: float = 0.1) -> DampingValidity:
 
 def _sizes(run: Run) -> tuple[Floats, Floats]:
     """Return the largest size over time of strains, and of their work with section forces, ``(points, 6)`` each."""
-    largest, work = np.zeros((2, run.data.sizes["point"], 6))
+    largest, work = np.zeros((2, run.stored.sizes["point"], 6))
     for strain, force in zip(blocks(run, "strain"), blocks(run, "section_force"), strict=True):
         largest = np.maximum(largest, np.abs(strain).max(axis=0))
         work = np.maximum(work, np.abs(force * strain).max(axis=0))
-    weight: Floats = np.asarray(run.data["point_weight"].values, dtype=float)
+    weight: Floats = np.asarray(run.stored["point_weight"].values, dtype=float)
     return largest, weight[:, None] * work
 
 
 def _rod(
     run: Run, rod: str, law: dict[str, Any], largest: Floats, work: Floats, tolerance: float
 ) -> list[StrainValidity]:
-    mine = np.flatnonzero(run.data["point_rod"].values == rod)
+    mine = np.flatnonzero(run.stored["point_rod"].values == rod)
     work = work[mine].sum(axis=0)
     found = []
     for k in np.flatnonzero(work > LITTLE * work.sum()).tolist():
         time = law["times"][k]
         # the point of the rod where the strain is largest represents all
         point = int(mine[np.argmax(largest[mine, k])])
-        history = run.data["strain"].isel(point=point, component=k).values
+        history = run.stored["strain"].isel(point=point, component=k).values
         omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))
         if not time or not rate.any():
             continue
@@ -201,10 +201,10 @@ def _rod(
 
 def _loss_note(run: Run, rod: str, law: dict[str, Any], largest: Floats, work: Floats) -> str:
     """Say whether the motion lies in the band of a loss factor; empty where the rod was not strained."""
-    mine = np.flatnonzero(run.data["point_rod"].values == rod)
+    mine = np.flatnonzero(run.stored["point_rod"].values == rod)
     k = int(np.argmax(work[mine].sum(axis=0)))
     point = int(mine[np.argmax(largest[mine, k])])
-    history = run.data["strain"].isel(point=point, component=k).values
+    history = run.stored["strain"].isel(point=point, component=k).values
     omega, rate = _spectrum(run.time, np.asarray(history, dtype=float))
     if not rate.any():
         return ""

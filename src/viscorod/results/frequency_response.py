@@ -14,6 +14,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.results.resonances import Resonance, resonances_of
 from viscorod.results.stateless_result import StatelessResult, Variables
+from viscorod.results.summits import Summit, summit_of_response
 from viscorod.results.text_numbers import number, per_cent, quantity
 from viscorod.results.text_table import listed, numbers, page, tabulated, words
 from viscorod.shown import counted, span
@@ -150,6 +151,15 @@ class FrequencyResponse(StatelessResult):
     def amplification(self, output: str | int = 0, source: str | int = 0) -> Floats:
         """Return the size of a response ``(frequencies,)``."""
         return np.asarray(np.abs(self.response(output, source)))
+
+    @checked
+    def summit(self, output: str | int = 0, source: str | int = 0) -> Summit:
+        """Return the top of the size of a response: number of the frequency next to it, frequency [Hz], size.
+
+        It lies between the computed frequencies, as the poles and residues of the model tell the course between them.
+        """
+        k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
+        return summit_of_response(self.frequencies, self.values[:, k, j], self.poles, self.residues[:, k, j])
 
     def resonances(self, output: str | int = 0, source: str | int = 0) -> list[Resonance]:
         """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles."""

@@ -93,7 +93,7 @@ class _Places:
 
 def largest_stress(result: Result) -> LargestStress | None:
     """Return the largest von Mises stress of all rods whose sections have a shape; None where none has."""
-    if "section_force" not in result.data:
+    if "section_force" not in result.stored:
         return None
     missing: list[str] = []
     places = list(_places(result, missing))
@@ -112,8 +112,8 @@ def _larger(
     """Return the largest stress at some places in states from number ``first`` on, or the ``best`` so far."""
     section, along = places.section, result.dimension
     springs = None
-    if len(section.times) and "branch_strain" in result.data:
-        kept = result.data["branch_strain"].isel({along: slice(first, first + len(strain))}).values
+    if len(section.times) and "branch_strain" in result.stored:
+        kept = result.stored["branch_strain"].isel({along: slice(first, first + len(strain))}).values
         springs = places.read(np.asarray(kept, dtype=float))[:, places.stress.branches_of(section)]
     parts = section.parts(places.read(strain), places.read(force), springs, moving=places.stress.moving)
     bound = section.bound(parts)
@@ -128,7 +128,7 @@ def _larger(
         if best is None or size[row, n] > best.value:
             state, k = divmod(int(chosen[row]), len(places.s))
             x, y = samples.points[n].tolist()
-            level = float(result.data[along].values[first + state])
+            level = float(result.stored[along].values[first + state])
             value, s = float(size[row, n]), float(places.s[k])
             best = LargestStress(value, places.rods[k], s, (x, y), first + state, level, ())
     return best
@@ -136,7 +136,7 @@ def _larger(
 
 def _places(result: Result, missing: list[str]) -> Iterator[_Places]:
     """Yield all Gauss points and ends of rods, by section; rods whose sections have none go to ``missing``."""
-    data = result.data
+    data = result.stored
     points_of = by_name(np.asarray(data["point_rod"].values, dtype=str))
     s = np.asarray(data["point_s"].values, dtype=float)
     curvature = reference_curvatures(result)

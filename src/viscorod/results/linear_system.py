@@ -51,7 +51,7 @@ class LinearSystem(Shown, Alike):
         conditions: ``(rows, motions)`` of joints and held strains, of unit length, whose products with these motions
             vanish; None without.
         about: the state, in words; title: of the model.
-        rigid: number of motions that nothing resists at rest.
+        rigid: number of motions that nothing resists at rest; warnings: doubts about the model and the state.
     """
 
     second_order: SecondOrder = field(repr=False)
@@ -67,6 +67,7 @@ class LinearSystem(Shown, Alike):
     about: str = ""
     title: str = ""
     rigid: int = 0
+    warnings: tuple[str, ...] = field(default=(), repr=False)
 
     def _facts(self) -> Iterator[str]:
         yield counted(self.size, "coordinate")
@@ -76,6 +77,8 @@ class LinearSystem(Shown, Alike):
         yield f"outputs {', '.join(self.outputs)}"
         if self.about:
             yield f"about {self.about}"
+        if self.warnings:
+            yield counted(len(self.warnings), "warning")
 
     @property
     def mass(self) -> sparse.csr_array:

@@ -169,11 +169,8 @@ def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:
 
     def read(result: Any, words: Sequence[Word]) -> float:
         given = [int(word) if isinstance(word, float) else word for word in words]
-        if hasattr(result, "summit"):
-            top = result.summit(*given)
-            return float(top.amplitude if what == "peak" else top.frequency)
-        size = result.amplification(*given)
-        return float(size.max() if what == "peak" else result.frequencies[np.argmax(size)])
+        top = result.summit(*given)
+        return float(top.amplitude if what == "peak" else top.frequency)
 
     return read
 

@@ -178,7 +178,7 @@ class RecordedStates(WellNamed, Shown, Alike):
     @cached_property
     def displacement_range(self) -> tuple[Floats, Floats]:
         """The least and the largest displacement of every station over all states [m], ``(station, axis)`` each."""
-        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        reference = np.asarray(self.stored["reference_position"].values, dtype=float)
         low, high = extremes(self, "position")
         return low - reference, high - reference
 
@@ -210,13 +210,13 @@ class RecordedStates(WellNamed, Shown, Alike):
         bodies = {place.partition(".")[0] for place in self.sites.bodies}
         if bodies:
             yield counted(len(bodies), "body", "bodies")
-        yield counted(int(self.data.sizes["station"]), "station")
+        yield counted(int(self.stored.sizes["station"]), "station")
         if self.outcome != "completed":
             yield self.outcome
 
     def _drawing(self) -> str:
         """Return the reference shape, dashed, and the shape in the last state."""
-        reference = np.asarray(self.data["reference_position"].values, dtype=float)
+        reference = np.asarray(self.stored["reference_position"].values, dtype=float)
         return self._shapes(reference, self.field("position", states=-1))
 
     def _shapes(self, faint: Floats, main: Floats) -> str:

@@ -40,7 +40,7 @@ def reference_curvature(nodes: Floats, rotation: Floats, s: Floats) -> Floats:
 
 def reference_curvatures(result: Result) -> Floats:
     """Return bend 1, bend 2 and twist of the reference shape at all Gauss points ``(m, 3)`` [1/m]."""
-    data = result.data
+    data = result.stored
     point_s = np.asarray(data["point_s"].values, dtype=float)
     station_s = np.asarray(data["station_s"].values, dtype=float)
     rotation = np.asarray(data["reference_rotation"].values, dtype=float)

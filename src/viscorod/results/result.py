@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from pathlib import Path
 from types import MappingProxyType
 from typing import TYPE_CHECKING, Any, ClassVar, Self
@@ -12,6 +12,7 @@ from viscorod.checks import checked
 from viscorod.errors import InputError
 from viscorod.given_as import Amount, Amounts
 from viscorod.results.recorded_states import Quantity, RecordedStates
+from viscorod.shown import counted
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -24,6 +25,9 @@ if TYPE_CHECKING:
 
 __all__ = ["Quantity", "Result"]
 
+READ_AT_ONCE = 2_000_000
+"""Strains that are looked at for a line about a result at most."""
+
 
 class Result(RecordedStates, ABC):
     """A data set with the methods that all kinds of result have."""
@@ -32,6 +36,14 @@ class Result(RecordedStates, ABC):
     """Name of the picture of it all."""
     derivatives: Mapping[str, Derivative[Self]] = MappingProxyType({})
     """By the keys of the numbers that were asked for; see ``Derivative``."""
+
+    def _facts(self) -> Iterator[str]:
+        from viscorod.results.result_warnings import stored_warnings
+
+        yield from super()._facts()
+        quick = "strain" not in self.data or self.data["strain"].size <= READ_AT_ONCE
+        if found := self.warnings if quick else stored_warnings(self.data):
+            yield counted(len(found), "warning")
 
     @checked
     def at(self, level: float) -> tuple[Self, float]:

@@ -14,8 +14,6 @@ from viscorod.results.validity import SMALL_STRAIN
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from viscorod.results.result import Result
     from viscorod.results.state_arrays import Stored
 
@@ -23,25 +21,32 @@ _GAP = 1e-2
 _MESH = 0.01  # accepted error of positions by the mesh, as a part of the largest displacement
 _FORCE = 0.05  # accepted error of section forces by the mesh, as a part of the largest one
 _LOAD = 0.01  # accepted error of critical loads by the mesh, as a part of each
+_FREQUENCY = 0.01  # accepted error of frequencies by the mesh, as a part of each
+_NAMED = 8  # modes that a warning names at most
 _MODES = 0.1  # accepted difference from the motion in half as many modes, whose error is the larger one
 _OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
 
+def stored_warnings(data: Stored) -> list[str]:
+    """Return the warnings stored with a result: ``doubts`` about the model, and ``warnings``; each once."""
+    stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
+    return [str(text) for text in dict.fromkeys(stored)]
+
+
 def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
-    Stored ones are the JSON lists of texts in the attributes ``doubts`` (about the model) and ``warnings``. Added are:
+    Added to the stored ones are:
     a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
     more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
-    the largest section force, or could not be estimated, critical loads that change by more than 1 % with it, and
-    shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains
-    (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    the largest section force, or could not be estimated, critical loads and frequencies that change by more than 1 %
+    with it, and shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small
+    strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
-    data = result.data
-    stored = (text for name in ("doubts", "warnings") for text in json.loads(data.attrs.get(name, "[]")))
-    texts = [str(text) for text in dict.fromkeys(stored)]
+    data = result.stored
+    texts = stored_warnings(data)
     lost = energy_doubt(data)
     if lost and lost not in texts:
         texts.append(lost)
@@ -54,13 +59,15 @@ def warnings_of(result: Result) -> list[str]:
             f"poses integrated in time and along the rods differ by {gap:.2g} of the model's size: "
             "the mesh is too coarse for this motion; use more elements or a higher order"
         )
-    texts += _mesh_warnings(result) + _critical_warnings(data) + _mode_warnings(result)
+    texts += (
+        _mesh_warnings(result) + _critical_warnings(data) + _frequency_warnings(data) + _mode_warnings(result)
+    )
     return texts + _strain_warnings(result)
 
 
 def _mode_warnings(result: Result) -> list[str]:
     """Return warnings of a motion in too few modes."""
-    attrs, texts = result.data.attrs, []
+    attrs, texts = result.stored.attrs, []
     gap = float(attrs.get("modes_motion_gap", 0.0))
     if gap > _MODES:
         texts.append(
@@ -96,7 +103,7 @@ def energy_doubt(data: Stored) -> str:
 
 def _mesh_warnings(result: Result) -> list[str]:
     """Return warnings of a mesh that is too coarse for what was computed, or whose error is unknown."""
-    attrs, texts = result.data.attrs, []
+    attrs, texts = result.stored.attrs, []
     motion, force = (float(attrs.get(f"mesh_{name}_error", 0.0)) for name in ("motion", "force"))
     worst = max(result.mesh_errors.items(), key=lambda pair: pair[1], default=("", np.inf))
     # what is less than the steps were asked for tells nothing of the mesh, such as the rest of a shaft that only spins
@@ -119,7 +126,7 @@ def _mesh_warnings(result: Result) -> list[str]:
     return texts
 
 
-def _critical_warnings(data: xr.Dataset) -> list[str]:
+def _critical_warnings(data: Stored) -> list[str]:
     """Return a warning of critical loads that change with the mesh."""
     errors = data["critical_error"].values if "critical_error" in data else np.zeros(0)
     doubtful = np.flatnonzero(errors > _LOAD)
@@ -134,9 +141,31 @@ def _critical_warnings(data: xr.Dataset) -> list[str]:
     ]
 
 
+def _frequency_warnings(data: xr.Dataset) -> list[str]:
+    """Return a warning of oscillating modes, or of resonances, whose frequencies change with the mesh."""
+    resonances = float(data.attrs.get("frequency_error", 0.0))
+    if resonances > _FREQUENCY:
+        return [
+            f"frequencies of resonances may be off by up to {number(100.0 * resonances, 2)} %, because the mesh is "
+            "coarse for this; use more elements or a higher order"
+        ]
+    if "mode_error" not in data or "eigenvalue" not in data:
+        return []
+    (decay, swing), errors = np.abs(data["eigenvalue"].values).T, data["mode_error"].values
+    doubtful = np.flatnonzero((errors > _FREQUENCY) & (swing > decay))
+    if not len(doubtful):
+        return []
+    listed = ", ".join(str(k + 1) for k in doubtful[:_NAMED]) + (", ..." if len(doubtful) > _NAMED else "")
+    which = f"the frequency of mode {listed}" if len(doubtful) == 1 else f"frequencies of modes {listed}"
+    return [
+        f"{which} may be off by up to {number(100.0 * float(errors[doubtful].max()), 2)} %, because the mesh is coarse "
+        "for this; use more elements or a higher order"
+    ]
+
+
 def _strain_warnings(result: Result) -> list[str]:
     """Return one warning each for crushed sections, for shear or stretch, and for bending or twist that are large."""
-    data = result.data
+    data = result.stored
     if "strain" not in data or not data.sizes.get("point", 0):
         return []
     low, high = extremes(result, "strain")
@@ -173,7 +202,7 @@ def _law(strain: float) -> str:
     )
 
 
-def _largest(data: xr.Dataset, values: Floats) -> tuple[float, int, str]:
+def _largest(data: Stored, values: Floats) -> tuple[float, int, str]:
     """Return the largest of ``(point, component)``, its component and " at rod@s"."""
     point, component = (int(k) for k in np.unravel_index(int(np.argmax(values)), values.shape))
     where = ""

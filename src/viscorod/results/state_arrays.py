@@ -43,6 +43,21 @@ class PlainArray(NamedTuple):
         """Its lengths."""
         return tuple(self.values.shape)
 
+    @property
+    def ndim(self) -> int:
+        """Number of its dimensions."""
+        return len(self.dims)
+
+    @property
+    def dtype(self) -> np.dtype[Any]:
+        """The kind of its numbers."""
+        return self.values.dtype
+
+    @property
+    def nbytes(self) -> int:
+        """Its bytes."""
+        return int(self.values.nbytes)
+
     def isel(self, chosen: Mapping[str, Any] | None = None, **named: Any) -> PlainArray:
         """Return a part: of one dimension or several a number, which leaves it out, a slice or numbers ``(k,)``.
 
@@ -109,9 +124,9 @@ class StateArrays:
 
     @cached_property
     def variables(self) -> _Variables:
-        """All arrays by name, coordinates too."""
+        """All arrays by name, coordinates too, in the order of the data set."""
         named: Arranged = {name: ((name,), np.array(names)) for name, names in self.places.items()}
-        return _Variables(self.arrays | self.coordinates | named | {self.levels[0]: self.levels})
+        return _Variables(self.arrays | named | {self.levels[0]: self.levels} | self.coordinates)
 
     @property
     def coords(self) -> set[str]:
@@ -126,8 +141,18 @@ class StateArrays:
 
     @property
     def sizes(self) -> dict[str, int]:
-        """Length of every dimension."""
+        """Length of every dimension that some array has which need not be made."""
         return {name: size for array in self.variables.there for name, size in array.sizes.items()}
+
+    @property
+    def all_sizes(self) -> dict[str, int]:
+        """Length of every dimension, in the order of the arrays, all of which are made."""
+        return {name: size for array in self.variables.values() for name, size in array.sizes.items()}
+
+    @property
+    def nbytes(self) -> int:
+        """Bytes of all arrays."""
+        return sum(array.nbytes for array in self.variables.values())
 
     def beside(self, arrays: Arranged, places: dict[str, tuple[str, ...]] | None = None) -> StateArrays:
         """Return the same with more arrays, and names along dimensions of theirs."""

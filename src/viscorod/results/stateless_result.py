@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator, Mapping
 from pathlib import Path
@@ -15,6 +14,7 @@ from viscorod.alike import Alike
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import InputError
+from viscorod.results.result_warnings import stored_warnings
 from viscorod.shown import Shown, counted
 from viscorod.small_drawing import Drawing
 from viscorod.typing import Floats
@@ -105,8 +105,8 @@ class StatelessResult(WellNamed, Shown, Alike, ABC):
 
     @property
     def warnings(self) -> list[str]:
-        """What the result says against itself, in sentences."""
-        return [str(text) for text in json.loads(self.data.attrs.get("warnings", "[]"))]
+        """What the model and the result say against themselves, in sentences."""
+        return stored_warnings(self.data)
 
     @checked
     def save(self, path: str | Path) -> Path:

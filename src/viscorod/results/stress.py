@@ -47,7 +47,7 @@ class RodStress:
         self._result, self.rod = result, rod
         self._sections = result.recorded_rods.rod(rod)
         self._known = result.recorded_rods.known
-        self.moving = result.kind == "simulate" or result.data.attrs.get("damping") == "linearised"
+        self.moving = result.kind == "simulate" or result.stored.attrs.get("damping") == "linearised"
 
     def at(self, s: float, curvature: Floats) -> SectionStress:
         """Return the section at an arc length [m] where the reference shape has this curvature ``(3,)`` [1/m]."""
@@ -92,7 +92,7 @@ class RodStress:
         """Return which of the branches of the result are those of a section."""
         if not len(section.times):
             return np.zeros(0, dtype=np.int64)
-        known = np.asarray(self._result.data["relaxation_time"].values, dtype=float)
+        known = np.asarray(self._result.stored["relaxation_time"].values, dtype=float)
         return np.array([int(np.argmin(np.abs(known - time))) for time in section.times])
 
 
@@ -109,7 +109,7 @@ def stress_at(
     found = section.fields(samples, parts)
     ratio = np.array([m.poissons_ratio for m in field.materials])[samples.region]
     along = result.dimension
-    level = np.asarray(result.data[along].values, dtype=float) if instants is None else instants.time
+    level = np.asarray(result.stored[along].values, dtype=float) if instants is None else instants.time
     strain = _tensor(0.5 * found.strain[..., :2], found.strain[..., 2])
     strain[..., :2] = -(ratio * found.strain[..., 2])[..., None]
     dims = (along, "point")

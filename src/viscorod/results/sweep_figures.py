@@ -90,12 +90,8 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
         found["numerical_fraction"] = result.energy.numerical_fraction
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
-    if isinstance(result, Periodic):
+    if isinstance(result, Periodic | FrequencyResponse):
         _, found["peak_frequency"], found["peak"] = result.summit()
-    if isinstance(result, FrequencyResponse):
-        size = result.amplification()
-        found["peak_frequency"] = float(result.frequencies[np.argmax(size)])
-        found["peak"] = float(size.max())
     return found | _first(result)
 
 

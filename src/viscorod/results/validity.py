@@ -91,7 +91,7 @@ class Validity:
 def validity_of(result: Result) -> Validity:
     """Return the conditions and their numbers; see ``Result.validity``."""
     found: list[Condition] = []
-    if "strain" in result.data and result.data.sizes.get("point", 0):
+    if "strain" in result.stored and result.stored.sizes.get("point", 0):
         found = [*_shape(result), *_strains(result)]
     rate, sentence = (None, "") if result.kind == "equilibrium" else _rate(result)
     return Validity((*found, *([] if rate is None else [rate])), sentence)
@@ -104,7 +104,7 @@ def unknown_width(name: str, source: str, limit: float) -> Condition:
 
 def _shape(result: Result) -> list[Condition]:
     """Return slenderness, curvature and twist of the reference shape."""
-    data = result.data
+    data = result.stored
     half = _half_widths(result)
     curved = reference_curvatures(result)
     rods = np.asarray(data["point_rod"].values, dtype=str)
@@ -133,7 +133,7 @@ def _strains(result: Result) -> list[Condition]:
 
 def _half_widths(result: Result) -> Floats:
     """Return the half width of the section at every Gauss point [m], 0 if unknown."""
-    data = result.data
+    data = result.stored
     if "half_width" not in data:
         return np.zeros(data.sizes["point"])
     return np.asarray(data["half_width"].values, dtype=float)
@@ -141,7 +141,7 @@ def _half_widths(result: Result) -> Floats:
 
 def _worst(result: Result, values: Floats, limit: float, first: int = 0) -> tuple[float, float, str]:
     """Return the largest of ``(point,)`` or ``(point, component)``, the limit, and where it is."""
-    data = result.data
+    data = result.stored
     flat = values.reshape(len(values), -1)
     point, component = (int(k) for k in np.unravel_index(int(np.argmax(flat)), flat.shape))
     value = float(flat[point, component])
@@ -153,7 +153,7 @@ def _worst(result: Result, values: Floats, limit: float, first: int = 0) -> tupl
 def _rate(result: Result) -> tuple[Condition | None, str]:
     """Return how quick a motion is beside the material's relaxation, and a sentence on a known relaxation."""
     name, source = "angular frequency x time", "LLT 2.6"
-    laws = json.loads(str(result.data.attrs.get("damping_laws") or "{}"))
+    laws = json.loads(str(result.stored.attrs.get("damping_laws") or "{}"))
     if not laws:
         return None, ""
     times = {rod: max((t for t in law["times"] if t), default=0.0) for rod, law in laws.items()}
@@ -167,7 +167,7 @@ def _rate(result: Result) -> tuple[Condition | None, str]:
 
 
 def _slow_motions(steady: Result, name: str, source: str, times: dict[str, float]) -> Condition:
-    imaginary = np.abs(np.asarray(steady.data["eigenvalue"].values, dtype=float)[:, 1])
+    imaginary = np.abs(np.asarray(steady.stored["eigenvalue"].values, dtype=float)[:, 1])
     turning = imaginary[imaginary > 0.0]
     if not turning.size:
         return Condition(name, source, math.nan, QUICK, "no small motion oscillates")

@@ -198,6 +198,7 @@ class MotionStart:
         self.strained = not self.given and bool(discrete.problem.initial_strain)
         resting = not self.given and not self.strained and settings.initial == "equilibrium"
         self.change: StaticChange | None = None
+        self._known: dict[str, tuple[Neighbours, Floats]] = {}  # increments of the equilibrium
         still = self.state.copy()
         still.twist[:] = 0.0
         if resting and not _as_built(discrete, still):
@@ -221,7 +222,7 @@ class MotionStart:
 
     def states(self, neighbours: Neighbours) -> list[State]:
         """Return the states from which neighbours start."""
-        increment = None if self.change is None else self.change.increment(neighbours)
+        increment = None if self.change is None else self._increment(neighbours)
         found = [self._state(one, increment) for one in neighbours.each]
         if not self.given and self.change is None:
             own = self._open(self.discrete, State.reference(self.discrete.problem))
@@ -235,8 +236,17 @@ class MotionStart:
             return 0.0
         first, *others = neighbours.each
         apart = max(abs(one.change - first.change) for one in others)
-        increment = self.change.increment(neighbours)[: self.discrete.problem.size, :3]
+        increment = self._increment(neighbours)[: self.discrete.problem.size, :3]
         return apart * float(np.abs(increment).max()) / self.discrete.problem.length
+
+    def _increment(self, neighbours: Neighbours) -> Floats:
+        """Return the increment of the equilibrium at the start per unit of a number."""
+        assert self.change is not None
+        kept, found = self._known.get(neighbours.number.key, (None, None))
+        if kept is not neighbours or found is None:
+            found = self.change.increment(neighbours)
+            self._known[neighbours.number.key] = neighbours, found
+        return found
 
     @staticmethod
     def _open(one: Neighbour | DiscreteModel, state: State) -> Floats:

@@ -1,6 +1,7 @@
 """What often is wrong with a measurement that a model does not explain: direction, sign, unit, range, nuisances.
 
-Nothing is changed by it. A sentence is said only of a history whose residuals are no white noise.
+Nothing is changed by it. A sentence is said only of a history whose residuals are no white noise, or of which they die
+out along with it.
 """
 
 from __future__ import annotations
@@ -11,7 +12,10 @@ import numpy as np
 
 from viscorod.analyses.identification.members import Member
 from viscorod.analyses.identification.told import CORRELATED, whiteness
+from viscorod.errors import InputError, SolveError
 from viscorod.records.clipping import clipped_samples
+from viscorod.records.dying_noise import dying_rate, said_of_window
+from viscorod.records.free_decay import decay
 from viscorod.records.motion_record import Record
 from viscorod.records.read_off import direction_text
 from viscorod.solve.estimation.least_squares import Estimate
@@ -50,8 +54,9 @@ def common_faults(members: Sequence[Member], best: Estimate) -> list[str]:
         for record in member.records:
             rows = slice(begin, begin + len(record.observed))
             begin = rows.stop
-            if isinstance(record, Record) and record.name in doubtful:
-                found += list(_faults(record, best, rows))
+            if isinstance(record, Record):
+                wrong = list(_faults(record, best, rows)) if record.name in doubtful else []
+                found += _windowed(record, best, rows, swings=record.name in doubtful) + wrong
     return found
 
 
@@ -86,6 +91,32 @@ def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
         )
         return
     yield from _nuisances(record, best, rows)
+
+
+def _windowed(record: Record, best: Estimate, rows: slice, *, swings: bool) -> list[str]:
+    """Tell of noise that dies out along a record: damping that is fitted to a weighed one has the window's in it.
+
+    Args:
+        swings: whether the model leaves more than noise: then it is that of damped sines through the record.
+    """
+    instead = "if there was one, take it off (window_time of its table, record.without_exponential)"
+    if swings:
+        try:
+            told = decay(record)
+        except (InputError, SolveError):  # it does not swing freely
+            return []
+        dying = dying_rate(told.data["time"].values, told.data["value"].values - told.data["model"].values)
+        motion = 2.0 * np.pi * float(told.frequencies[0] * told.damping_ratios[0])
+    else:
+        dying, motion = dying_rate(record.times, best.residuals[rows]), _rate(best.predicted[rows], record)
+    return [f"The noise of {record.name} {said_of_window(dying, motion, instead)}."] if dying else []
+
+
+def _rate(predicted: Floats, record: Record) -> float:
+    """Return the rate at which a motion dies out, from its two halves, 1/s."""
+    about = predicted - predicted[-max(len(predicted) // 10, 1) :].mean()
+    first, second = (float(np.sqrt(np.mean(part**2))) for part in np.array_split(about, 2))
+    return float(np.log(max(first, 1e-300) / max(second, 1e-300)) / (0.5 * np.ptp(record.times)))
 
 
 def _clipped(values: Floats) -> bool:

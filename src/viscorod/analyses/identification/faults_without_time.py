@@ -10,11 +10,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import Any
 
 import numpy as np
-from scipy import stats
 from scipy.optimize import linear_sum_assignment
 from scipy.signal import find_peaks
 
 from viscorod.analyses.identification.members import Member
+from viscorod.analyses.identification.static_zero import static_zero
 from viscorod.analyses.identification.told import much_left
 from viscorod.records.modes_record import ModesRecord
 from viscorod.records.response_record import ResponseRecord
@@ -45,8 +45,6 @@ MOST_MOVED = 2.0
 """Ratio by which the peaks of a model may be elsewhere."""
 OPPOSITE = -0.8
 """Correlation of what was measured and what the model says below which they go to opposite sides."""
-BY_CHANCE = 1e-3
-"""Probability below which it is not by chance that an offset explains what is left."""
 OF_UNIT = 0.04
 """Relative distance from the factor of a unit within which it is named."""
 TURN, GRAVITY = 2.0 * np.pi, 9.80665
@@ -92,13 +90,13 @@ def faults_without_time(members: Sequence[Member], best: Estimate) -> list[str]:
                 found += _of_units(record, member.predicted(record, first))
             if not doubtful & {record.name, f"{record.name}: frequencies"}:
                 if isinstance(record, StaticRecord):
-                    found += _of_zero(record, best, rows)
+                    found += static_zero(record, best, rows)
                 continue
             if isinstance(record, ModesRecord):
                 found += _of_modes(record, [member.compared(record, named) for named in (fitted, first)])
             elif isinstance(record, StaticRecord):
                 said = list(_of_loads(record, member.predicted(record, fitted)))
-                found += said or _of_zero(record, best, rows)
+                found += said or static_zero(record, best, rows)
     return found
 
 
@@ -301,28 +299,6 @@ def _of_units(record: ModesRecord | StaticRecord, predicted: Floats) -> Iterator
                 f"{those} of the model as it was at the start: if that was not far off, {reason}."
             )
             return
-
-
-def _of_zero(record: StaticRecord, best: Estimate, rows: slice) -> Iterator[str]:
-    """Tell whether an offset, that is not sought, explains more of what is left than chance does (F test)."""
-    if "offset" in {one.name for one in record.nuisances.values()}:
-        return
-    slopes, left = best.slopes[rows], best.residuals[rows]
-    known = slopes[:, np.abs(slopes).max(axis=0) > 0.0]
-    q = np.linalg.qr(known / np.linalg.norm(known, axis=0))[0]
-    own = np.ones(len(left))
-    left, own = left - q @ (q.T @ left), own - q @ (q.T @ own)
-    free, size, total = len(left) - q.shape[1] - 1, float(own @ own), float(left @ left)
-    if free < 2 or size < 1e-6 * len(left) or total == 0.0:
-        return
-    offset = float(own @ left) / size
-    share = min(offset * offset * size / total, 1.0 - 1e-12)
-    if share > EXPLAINED and float(stats.f.sf(share / (1.0 - share) * free, 1, free)) < BY_CHANCE:
-        zero = "" if record.quantity != "displacement" else ", or a load that was there before"
-        yield (
-            f"{100.0 * share:.0f} % of what is left of {record.name} is what an offset of its zero of {offset:.3g} "
-            f"{record.axes[0][1]}{zero}, would leave: if it may have one, give it unknown = ['offset']."
-        )
 
 
 def _of_loads(record: StaticRecord, predicted: Floats) -> Iterator[str]:

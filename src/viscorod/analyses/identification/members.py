@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from viscorod.analyses.call_arguments import CallOptions
+from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.case_run import discretised_case, run_case
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
@@ -75,12 +75,14 @@ class Member:
         case: at the start; records: that are compared with its result.
         divisions: of the rods; found once, with the first result, and kept.
         step_ends: times [s] at which steps of its motion end, see :meth:`hold`; none where steps are chosen.
+        doubts: about its model and the state that it starts from, with the last numbers.
     """
 
     case: Case
     records: list[Any]
     divisions: Divisions | None = None
     step_ends: tuple[float, ...] = ()
+    doubts: tuple[str, ...] = ()
     _last: tuple[tuple[tuple[str, float], ...], AnyResult] | None = field(default=None, repr=False)
     _known: KnownParts = field(default_factory=KnownParts, repr=False, compare=False)
 
@@ -174,7 +176,8 @@ class Member:
             watch = Unwatched(discrete.model, discrete.problem, discrete.system)
             with one_blas_thread():
                 result = ON_MESH[type(case.settings)](replace(discrete, watch=watch), case.settings)
-            kept.clear()  # a fit passes through many; the result keeps those of the last
+            kept.clear()  # a fit passes through many, and tells those of the last
+        self.doubts = tuple(json.loads(str(discrete.attributes["doubts"])))
         return result
 
     def _chosen(self, case: Case) -> Divisions:

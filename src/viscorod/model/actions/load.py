@@ -17,6 +17,7 @@ from pydantic import Field, model_validator
 from viscorod.model.actions.drag import Drag
 from viscorod.model.actions.load_base import AlongRod, AnyLoad, refused, refused_rod
 from viscorod.model.actions.load_effects import Arrows, Placing
+from viscorod.model.actions.loads_in_space import DistributedForceTowards, ForceOnLine, ForceTowards
 from viscorod.model.actions.time_function_kinds import TimeField
 from viscorod.model.actions.travel import on_rod, passages
 from viscorod.model.connections.place import Place, PlaceField
@@ -41,9 +42,12 @@ __all__ = [
     "LOADS",
     "AnyLoad",
     "DistributedForce",
+    "DistributedForceTowards",
     "DistributedMoment",
     "Drag",
     "Force",
+    "ForceOnLine",
+    "ForceTowards",
     "Gravity",
     "Moment",
     "MovingForce",
@@ -287,6 +291,9 @@ LOADS: dict[str, type[AnyLoad]] = {
     "gravity": Gravity,
     "moving_force": MovingForce,
     "drag": Drag,
+    "force_towards": ForceTowards,
+    "distributed_force_towards": DistributedForceTowards,
+    "force_on_line": ForceOnLine,
 }
 """The loads by their word in a case file; a new one is one class and one line here, or ``LOADS["word"] = Kind``."""
 

@@ -118,8 +118,8 @@ class TimeTable(TimeFunction):
             raise RefusedError(
                 "values and times are too large or too close for a curve through them", "change the units"
             )
-        if self._curve[1]:
-            warn(self._curve[1])
+        if self.doubt:
+            warn(self.doubt)
         return self
 
     @cached_property
@@ -145,6 +145,11 @@ class TimeTable(TimeFunction):
         """Times and values in arrays."""
         times, values = self._points
         return np.array(times), np.array(values)
+
+    @property
+    def doubt(self) -> str:
+        """Why the table is not the spline that was asked for; empty where it is."""
+        return self._curve[1]
 
     @property
     def _coefficients(self) -> Floats:
@@ -180,7 +185,7 @@ class TimeTable(TimeFunction):
     @property
     def smooth(self) -> bool:
         """Whether its acceleration is continuous between jumps: it is a spline."""
-        return self.interpolation == "cubic" and not self._curve[1]
+        return self.interpolation == "cubic" and not self.doubt
 
     @cached_property
     def knots(self) -> Floats:

@@ -9,9 +9,12 @@ from viscorod.given_as import Amount
 from viscorod.model.actions.load import (
     AnyLoad,
     DistributedForce,
+    DistributedForceTowards,
     DistributedMoment,
     Drag,
     Force,
+    ForceOnLine,
+    ForceTowards,
     Gravity,
     Moment,
     MovingForce,
@@ -147,6 +150,50 @@ class Loaded:
                 self, MovingForce(**travel, **given(following=following, time=time, until=until, name=name))
             )
         )
+
+    def force_towards(
+        self,
+        at: str,
+        size: Amount,
+        point: Vector,
+        time: Time = None,
+        until: Amount | None = None,
+        *,
+        name: str | None = None,
+    ) -> None:
+        """Load a place with a force towards a point of space; see `ForceTowards`."""
+        given_keys = given(at=at, size=size, point=point, time=time, until=until, name=name)
+        self.loads.append(placed(self, ForceTowards(**given_keys)))
+
+    def distributed_force_towards(
+        self,
+        rod: str,
+        size: Amount,
+        point: Vector,
+        time: Time = None,
+        until: Amount | None = None,
+        *,
+        from_s: Amount | None = None,
+        to_s: Amount | None = None,
+        name: str | None = None,
+    ) -> None:
+        """Load a rod with a force per length towards a point of space; see `DistributedForceTowards`."""
+        span = given(rod=rod, time=time, until=until, from_s=from_s, to_s=to_s, name=name)
+        self.loads.append(placed(self, DistributedForceTowards(**span, **given(size=size, point=point))))
+
+    def force_on_line(
+        self,
+        at: str,
+        value: Vector,
+        point: Vector,
+        time: Time = None,
+        until: Amount | None = None,
+        *,
+        name: str | None = None,
+    ) -> None:
+        """Load a place with a force that stays on its line of space, through a point; see `ForceOnLine`."""
+        given_keys = given(at=at, value=value, point=point, time=time, until=until, name=name)
+        self.loads.append(placed(self, ForceOnLine(**given_keys)))
 
     def drag(
         self,

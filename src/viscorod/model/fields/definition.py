@@ -56,12 +56,27 @@ def base_init(function: F) -> F:
     return function
 
 
+def _documented(cls: type[Definition]) -> str | None:
+    """Return the docstring of a class, with its arguments from the descriptions and units of its fields.
+
+    It is made when it is read: for all classes that takes a twelfth of what importing this package does.
+    """
+    text: str | None = cls.__dict__.get("__doc__")
+    lines = _arguments(cls) if text else []
+    return "\n".join([inspect.cleandoc(text), "", "Args:", *lines]) if text and lines else text
+
+
+def _reworded(cls: type[Definition], text: str | None) -> None:
+    """Give a class another docstring."""
+    type.__dict__["__doc__"].__set__(cls, text)
+
+
 if TYPE_CHECKING:
     from pydantic._internal._model_construction import ModelMetaclass as DefinitionType
 else:
 
-    class DefinitionType(type(BaseModel)):
-        """The class of the classes: it shows what they have beside what Pydantic gives them."""
+    class DefinitionType(type(BaseModel)):  # the class of the classes: shows what they have beside Pydantic's
+        __doc__ = property(_documented, _reworded)
 
         @property
         def __signature__(cls) -> inspect.Signature:
@@ -117,14 +132,6 @@ class Definition(BaseModel, Shown, metaclass=DefinitionType):
 
     #: Fields that the class inherits and refuses to fill: its users need not know of them.
     unused: ClassVar[tuple[str, ...]] = ()
-
-    @classmethod
-    def __pydantic_init_subclass__(cls, **kwargs: Any) -> None:
-        """Add the arguments to the docstring of the class, from the descriptions and units of its fields."""
-        super().__pydantic_init_subclass__(**kwargs)
-        lines = _arguments(cls)
-        if lines and cls.__doc__:
-            cls.__doc__ = "\n".join([inspect.cleandoc(cls.__doc__), "", "Args:", *lines])
 
     @base_init
     def __init__(self, *args: Any, **kwargs: Any) -> None:

@@ -32,7 +32,7 @@ from viscorod.model.materials.damping_model import (
     maxwell_behaviour,
 )
 from viscorod.model.materials.dma_table import read_dma_table
-from viscorod.model.materials.moduli_over_frequency import DmaTable, perhaps_percent, tidied
+from viscorod.model.materials.moduli_over_frequency import DmaTable, beside_slope, tidied
 from viscorod.model.materials.nearest_kelvin_voigt import (
     Viscous,
     errors,
@@ -156,9 +156,12 @@ class ModulusTable(Definition):
                 raise RefusedError(error.why, error.instead, found=show(found), at=("file",)) from None
         omega, storage = 2.0 * math.pi * np.array(self.frequency), np.array(self.storage)
         if self.loss is not None:
-            return tidied(omega, storage, np.array(self.loss))
+            loss = np.array(self.loss)
+            return tidied(
+                omega, storage, loss, notes=beside_slope(omega, storage, loss / storage, of_loss=True)
+            )
         tangent = np.array(self.tan_delta)
-        return tidied(omega, storage, tangent * storage, notes=perhaps_percent(omega, storage, tangent))
+        return tidied(omega, storage, tangent * storage, notes=beside_slope(omega, storage, tangent))
 
 
 @accepts(of_kind("damping.other"), "table, see below")

@@ -21,7 +21,7 @@ from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
-from viscorod.model.materials.moduli_over_frequency import DmaTable, perhaps_percent
+from viscorod.model.materials.moduli_over_frequency import DmaTable, beside_slope
 from viscorod.model.materials.sweeps import Points, every_sweep, one_sweep, side_by_side
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of
@@ -33,6 +33,8 @@ _AGREE = 0.03
 """Relative difference, of half the rows, that rounding explains between columns that say the same twice."""
 _LARGEST = 690.0
 """Logarithm of the largest number."""
+_POWER = 0.03
+"""Part of a power of ten by which a ratio may be off that of two units."""
 _ROUNDED = 0.0051
 """Difference of tan delta that its printed digits explain."""
 
@@ -251,6 +253,9 @@ def _checks(block: Block, rows: list[int], columns: dict[int, Floats]) -> Iterat
             off = np.maximum(np.abs(x - y) - slack, 0.0) / np.maximum(np.abs(x), np.abs(y))
             worst = int(np.argsort(off)[(len(off) - 1) // 2])
             text = f"in line {lines[known[worst]]} {first} is {x[worst]:.4g} and {second} {y[worst]:.4g}"
+            power = abs(math.log10(y[worst] / x[worst])) if x[worst] > 0.0 and y[worst] > 0.0 else 0.0
+            if any(abs(power - one) < _POWER for one in (2.0, 3.0, 6.0)):
+                text += f" (a factor of {10.0 ** round(power):g}, as between units)"
             yield bool(off[worst] <= _AGREE), text
 
     with np.errstate(all="ignore"):
@@ -319,8 +324,12 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
             storage = values["complex"] / np.hypot(1.0, tangent)
             loss = storage * tangent
     notes = []
-    if "loss" not in values and "tan_delta" in values and "frequency" not in block.common:
-        notes += perhaps_percent(omega, storage, tangent)
+    if "frequency" not in block.common and "storage" in values:
+        if "loss" in values:
+            with np.errstate(all="ignore"):
+                notes += beside_slope(omega, storage, loss / storage, of_loss=True)
+        elif "tan_delta" in values:
+            notes += beside_slope(omega, storage, tangent)
     strains = {
         known.strain for known in block.columns.values() if known.kind in ("storage", "loss", "complex")
     }

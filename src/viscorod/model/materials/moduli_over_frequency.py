@@ -12,12 +12,15 @@ from viscorod.model.fields.definition import RefusedError
 from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 
-__all__ = ["MEASURED", "DmaTable", "counted", "listed", "perhaps_percent", "tidied"]
+__all__ = ["MEASURED", "DmaTable", "beside_slope", "counted", "listed", "tidied"]
 
 _REPEAT = 1.25
 """Largest ratio of storage moduli at one frequency that the scatter of one sweep explains."""
 _SAME = 1e-4
 """Relative difference of frequencies that are taken for one; 20 a decade differ by 0.12."""
+_OTHER_UNIT, _SLOPE = 30.0, 0.02
+"""Times by which a loss factor must be beside what the slope of the storage modulus means for another unit to be spoken
+of, and the least slope that says anything of small ones."""
 _SPIKE = {"storage": 1.1, "loss": 1.25}
 """Ratio of a point to what its neighbours lead to expect, from which on it is told."""
 MEASURED = "measured at "
@@ -103,21 +106,34 @@ def _averaged(
     return means[0], means[1], means[2]
 
 
-def perhaps_percent(omega: Floats, storage: Floats, tangent: Floats) -> list[str]:
-    """Tell of a tan delta far above what the slope of the storage modulus means.
+def beside_slope(omega: Floats, storage: Floats, tangent: Floats, *, of_loss: bool = False) -> list[str]:
+    """Tell of a loss factor far from what the slope of the storage modulus means: percent, or units of moduli.
 
     Booij, Thoone, Rheol. Acta 21 (1982) 15-24: tan delta is nearly pi/2 d(ln E')/d(ln omega).
+
+    Args:
+        omega, storage, tangent: of the rows (n,).
+        of_loss: whether it was a loss modulus that was given.
     """
     known = (omega > 0.0) & (storage > 0.0) & np.isfinite(tangent)
     if np.ptp(np.log(omega[known])) < 1.0 if known.any() else True:
         return []
-    slope = float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0])
-    usual = float(np.median(tangent[known]))
-    if usual < 0.3 or usual < 10.0 * 0.5 * math.pi * max(slope, 0.0):
+    slope = max(float(np.polyfit(np.log(omega[known]), np.log(storage[known]), 1)[0]), 0.0)
+    usual, means = float(np.median(tangent[known])), 0.5 * math.pi * slope
+    if of_loss:
+        # what flows has no limit to its loss factor, and a slope that is no more than scatter says nothing
+        too_large = usual > max(_OTHER_UNIT * means, 0.3) and slope < 1.0
+        if not too_large and not (slope > _SLOPE and 0.0 < usual < means / _OTHER_UNIT):
+            return []
+        return [
+            f"the loss modulus is {usual:.3g} times the storage modulus, and the slope of the storage modulus over "
+            f"frequency means {means:.2g} times: if one of them has another unit (Pa, kPa, MPa), the file must say so"
+        ]
+    if usual < 0.3 or usual < 10.0 * means:
         return []
     return [
         f"tan delta of {usual:.4g} is far more than the slope of the storage modulus over frequency means "
-        f"({0.5 * math.pi * max(slope, 0.0):.2g}): if it is in percent, the file must say so (tan delta [%])"
+        f"({means:.2g}): if it is in percent, the file must say so (tan delta [%])"
     ]
 
 

@@ -10,10 +10,14 @@ from viscorod.model.fields.metadata import accepts
 from viscorod.model.fields.values import choose
 from viscorod.model.sections.cubic_bending import CubicBending
 from viscorod.model.sections.law_base import AnySectionLaw
+from viscorod.model.sections.trapeze_effect import TrapezeEffect
 
 __all__ = ["SECTION_LAWS", "section_law"]
 
-SECTION_LAWS: dict[str, type[Definition]] = {"cubic_bending": CubicBending}
+SECTION_LAWS: dict[str, type[Definition]] = {
+    "cubic_bending": CubicBending,
+    "trapeze_effect": TrapezeEffect,
+}
 """A new law is one class and one line here."""
 
 _one_law = choose("kind", SECTION_LAWS)

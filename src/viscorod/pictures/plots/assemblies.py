@@ -36,7 +36,7 @@ class Assembly:
     """Bodies, joints and springs of a result, in whatever state."""
 
     def __init__(self, result: Result) -> None:
-        data, sites = result.data, result.sites
+        data, sites = result.stored, result.sites
         member = np.asarray(data["station_body"].values, dtype=str) if "station_body" in data else None
         self.bodies = []
         for place in sites.bodies:

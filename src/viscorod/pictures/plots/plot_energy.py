@@ -43,11 +43,11 @@ def gravity_potential(run: Run) -> Floats | None:
     It is the work against gravity, -g times the integral of the linear momentum over time: its spline is integrated.
     """
     pull = weight_of(run)
-    if pull is None or "linear_momentum" not in run.data or run.time.size < 4:
+    if pull is None or "linear_momentum" not in run.stored or run.time.size < 4:
         return None
     from scipy.interpolate import CubicSpline
 
-    rate = -np.asarray(run.data["linear_momentum"].values, dtype=float) @ pull
+    rate = -np.asarray(run.stored["linear_momentum"].values, dtype=float) @ pull
     time, first = np.unique(run.time, return_index=True)
     work: Floats = CubicSpline(time, rate[first]).antiderivative()(run.time)
     return work if np.any(work) else None
@@ -117,9 +117,7 @@ def draw_energy(run: Run, ax: Axes | None = None) -> Figure:
         upper.set_xticks([time.mean()])
     lowest = min(float(supplied.min()), 0.0 if potential is None else float(potential.min()))
     upper.set_ylim(bottom=min(0.0, 1.05 * scale * lowest))
-    one_row = len(names) == 3 and potential is None
-    legend_above(upper, 5 if one_row else 3)
-    if not one_row and ax is None:
+    if legend_above(upper, 5) > 1 and ax is None:
         picture.subplots_adjust(top=0.85)  # two rows, below the title
     if lower is None:
         return within(upper)

@@ -64,7 +64,7 @@ def chosen_motion(run: Run, place: str | int | None, axis: str | None) -> tuple[
     site, main_axis = run.main_motion
     if place is not None:
         site = run.sites.at(place)
-        spread = np.ptp(run.history(place, "displacement").values, axis=0)
+        spread = np.ptp(run.vector(site, "displacement"), axis=0)
         main_axis = AXES[int(np.argmax(spread))]
     return site.label, main_axis if axis is None else axis
 
@@ -88,13 +88,13 @@ def draw_motion(
 
 def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement | None) -> None:
     """Draw a displacement over time into an axes, with the maxima and the envelope of a decay."""
-    values = run.history(place, "displacement").sel(axis=axis).values
+    values, rates = _history(run, place, axis)
     scale, unit = scaled("m", values)
     clock, second = scaled("s", run.time)
     clean(axes, f"time [{second}]", f"displacement {axis}{of_place(place)} [{unit}]")
     axes.axhline(0.0, color=GREY, linewidth=0.8)
     lone = "o" if run.time.size == 1 else None
-    time, curve = _curve(run.time, values, run.history(place, "velocity").sel(axis=axis).values)
+    time, curve = _curve(run.time, values, rates)
     name = f"displacement {axis} of {place}"
     axes.plot(clock * time, scale * curve, color=BLUE, linewidth=1.6, marker=lone, label=name)
     axes.margins(x=0.01)
@@ -128,6 +128,12 @@ def draw_history(axes: Axes, run: Run, place: str, axis: str, decay: Decrement |
     legend_above(axes, 3)
 
 
+def _history(run: Run, place: str, axis: str) -> tuple[Floats, Floats]:
+    """Return the displacement [m] of a place along a global axis over time, and its rate [m/s]."""
+    site, column = run.sites.at(place), AXES.index(axis)
+    return run.vector(site, "displacement")[:, column], run.vector(site, "velocity")[:, column]
+
+
 def of_place(place: str) -> str:
     """Return the place for the label of an axis, unless it is so long that the legend alone has room for it."""
     return f" of {place}" if len(place) <= _SHORT else ""
@@ -152,7 +158,7 @@ def _shown_span(run: Run, place: str, axis: str, decay: Decrement | None) -> tup
         start, end = map(float, decay.time[:2])
         begins = start - (end - start) < first
         return start, end, ", first period" if begins else f", period from {quantity(start, 's', 3)}"
-    values = run.history(place, "displacement").sel(axis=axis).values
+    values, _ = _history(run, place, axis)
     above = values > 0.5 * (values.min() + values.max())
     crossed = run.time[1:][above[1:] != above[:-1]]
     if run.rests or crossed.size <= _SNAPSHOTS // 2:
@@ -165,11 +171,11 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, span: tuple[float, 
     from matplotlib.colors import Normalize
 
     start, end, words = span
-    reference = np.asarray(run.data["reference_position"].values, dtype=float)
+    reference = np.asarray(run.stored["reference_position"].values, dtype=float)
     curves = Curves(run)
     coiled = curves.coiled(reference)
     times = np.linspace(start, end, (_SIDE_BY_SIDE if coiled else _SNAPSHOTS) if end > start else 1)
-    poses = poses_at(run, np.arange(run.data.sizes["station"]), instants_of(run, times))
+    poses = poses_at(run, np.arange(run.stored.sizes["station"]), instants_of(run, times))
     positions, rotations = poses.position, poses.rotation
     assembly = Assembly(run)
     ends = [assembly.ends(*state).reshape(-1, 3) for state in zip(positions, rotations, strict=True)]

@@ -214,7 +214,7 @@ class Curves:
     def __init__(self, result: Result) -> None:
         self._shadow = "shadow"
         sites = result.sites
-        arc = np.asarray(result.data["station_s"].values, dtype=float)
+        arc = np.asarray(result.stored["station_s"].values, dtype=float)
         known = {rod: arc[sites.stations(rod)] for rod in sites.rods}
         pieces = int(np.clip(_MOST // max(sum(s.size for s in known.values()), 1), 1, _FINE))
         self._taken, self._ends, first = [], [], 0
@@ -257,7 +257,7 @@ class Curves:
 def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> None:
     """Mark the supported places on station positions ``(station, 3)`` [m]."""
     points = []
-    for name in result.data["support"].values if "support" in result.data.coords else ():
+    for name in result.stored["support"].values if "support" in result.stored.coords else ():
         place = str(name).rsplit(" at ")[-1]  # "clamp at beam.start"
         try:
             points.append(result.sites.at(place).of(positions))
@@ -270,7 +270,7 @@ def mark_supports(axes: Axes, view: View, result: Result, positions: Floats) -> 
 
 def draw_reference(axes: Axes, view: View, curves: Curves, result: Result) -> None:
     """Draw the reference shape as a dashed grey line."""
-    reference = np.asarray(result.data["reference_position"].values, dtype=float)
+    reference = np.asarray(result.stored["reference_position"].values, dtype=float)
     curves.draw(axes, view, reference, color=GREY, linestyle=(0, (4, 3)), linewidth=1.2, label="reference")
 
 

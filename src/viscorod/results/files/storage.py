@@ -17,8 +17,10 @@ from viscorod.results.files.checksums import FORMAT, require_unchanged, seal, st
 from viscorod.results.files.checksums import NAME as CHECKSUMS
 from viscorod.results.files.file_tail import require_tail_fits, write_tail
 from viscorod.results.files.hdf5_output import Hdf5Output, hdf5_output, uninterrupted
+from viscorod.results.files.netcdf_arrays import write_arrays
 from viscorod.results.files.pieces_of_arrays import piece_shape
 from viscorod.results.files.plain_file import require_levels_readable, require_plain, require_written
+from viscorod.results.state_arrays import PlainArray, StateArrays, Stored
 from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
@@ -50,7 +52,7 @@ IN_MEMORY = "the result is still in memory: make room, or save it to another pla
 
 
 def write(
-    data: xr.Dataset,
+    data: Stored,
     path: str | Path,
     groups: Mapping[str, xr.Dataset] | None = None,
     *,
@@ -58,7 +60,7 @@ def write(
     before: Callable[[slice], None] | None = None,
     piece: float = PIECE,
 ) -> Path:
-    """Write a data set to ``path`` as netCDF4, making its folder; returns the path.
+    """Write a data set, or the arrays of one, to ``path`` as netCDF4, making its folder; returns the path.
 
     The file is written beside ``path`` and replaces it when it is whole and on the disk. Every piece of an array has a
     checksum, and the file those of all (see ``checksums`` and ``file_tail``).
@@ -74,7 +76,8 @@ def write(
     Raises:
         InputError: the place cannot be written, or its name is that of another format; what was there is still there.
     """
-    path, parts = Path(path), {"": data, **(groups or {})}
+    path = Path(path)
+    parts: dict[str, Stored] = {"": data, **(groups or {})}
     if path.suffix.lower() in OTHERS:
         raise InputError(
             f"{path}: a result is saved as netCDF4, in one file with all of its numbers; end the name in .nc. "
@@ -98,51 +101,66 @@ def packed(data: xr.Dataset) -> bytes:
 
 def _write_parts(
     output: Hdf5Output | io.BytesIO,
-    parts: Mapping[str, xr.Dataset],
+    parts: Mapping[str, Stored],
     before: Callable[[slice], None] | None,
     piece: float,
 ) -> None:
     import h5netcdf
     import h5py
-    from xarray.backends import H5NetCDFStore
 
     check = output.require_written if isinstance(output, Hdf5Output) else None
     with h5py.File(output, "w", libver=FORMAT, track_order=True) as stored:
         with h5netcdf.File(stored, "w") as file:
             for group, data in parts.items():
                 pieces = _Pieces(check, before, piece)
-                store = H5NetCDFStore(file, group=group or None, mode="a")
-                data.dump_to_store(store, writer=pieces, encoding=_encoding(data))
+                if isinstance(data, StateArrays):
+                    write_arrays(file, data, _stored_as(data), pieces.add)
+                else:
+                    _write_data_set(file, data, group, pieces)
                 pieces.write_rows()
         if check is not None:
             check()
             seal(stored)
 
 
-def _encoding(data: xr.Dataset) -> dict[Any, dict[str, Any]]:
+def _write_data_set(file: Any, data: xr.Dataset, group: str, pieces: _Pieces) -> None:
+    """Write a data set, in which a user may have put whatever xarray knows to store, into an open file."""
+    from xarray.backends import H5NetCDFStore
+
+    encoding = {
+        name: {"chunksizes" if key == "chunks" else key: value for key, value in how.items()}
+        | {"_FillValue": None}  # results hold no gaps to mark
+        for name, how in _stored_as(data).items()
+    }
+    store = H5NetCDFStore(file, group=group or None, mode="a")
+    data.dump_to_store(store, writer=pieces, encoding=encoding)
+
+
+def _stored_as(data: Stored) -> dict[Any, dict[str, Any]]:
     """Return how the variables of a data set are stored: numbers in pieces, each with a checksum."""
     found: dict[Any, dict[str, Any]] = {}
     for name, variable in data.variables.items():
-        found[name] = {"_FillValue": None}  # results hold no gaps to mark
+        found[name] = {}
         if variable.size and variable.ndim and variable.dtype.kind in "fiub":
             piece = piece_shape(variable.shape, variable.dtype.itemsize)
-            found[name] |= {"chunksizes": piece, "fletcher32": True}
+            found[name] |= {"chunks": piece, "fletcher32": True}
             if _pays(variable):
                 found[name] |= {"compression": "gzip", "compression_opts": 1, "shuffle": True}
     return found
 
 
-def _pays(variable: xr.Variable) -> bool:
+def _pays(variable: xr.Variable | PlainArray) -> bool:
     """Return whether compression makes a variable a quarter smaller or more, as a sample of its middle does.
 
     The last digits of computed numbers are noise that nothing compresses; what stays zero or repeats is compressed.
     """
-    count = len(variable)
+    count = variable.shape[0]
     if variable.nbytes < SAMPLED:
         return False
     rows = max(1, SAMPLED * count // variable.nbytes)
     middle = max(0, (count - rows) // 2)
-    sample = np.ascontiguousarray(variable[middle : middle + rows].values)
+    part = variable.isel({str(variable.dims[0]): slice(middle, middle + rows)})
+    sample = np.ascontiguousarray(part.values)
     shuffled = sample.view(np.uint8).reshape(-1, sample.dtype.itemsize).T.tobytes()
     return len(zlib.compress(shuffled, 1)) < WORTH * len(shuffled)
 
@@ -161,7 +179,7 @@ class _Pieces:
         self._rows: list[tuple[np.ndarray, Any]] = []
 
     def add(self, source: np.ndarray, target: Any) -> None:
-        """Write an array; xarray calls this for each."""
+        """Write an array: called for each."""
         if not source.ndim:
             target[...] = source
         elif source.flags.c_contiguous:

@@ -25,6 +25,8 @@ from viscorod.whole_files import why_not
 if TYPE_CHECKING:
     import xarray as xr
 
+    from viscorod.results.state_arrays import Stored
+
 FLUSH = 1.0
 """Seconds of wall time after which states are written at the latest."""
 
@@ -225,7 +227,7 @@ class JournalStream(Stream):
                 f"{self.folder} (in Python resume=True)"
             ) from None
 
-    def write(self, data: xr.Dataset) -> Path:
+    def write(self, data: Stored) -> Path:
         """Make ``run.nc`` of all states, none of which has gone to the journal; a stopped run there is removed then.
 
         Raises:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any
 
@@ -16,11 +17,13 @@ __all__ = ["MOST_NAMES", "counted", "effort"]
 
 MOST_NAMES = 4
 """Rods that are told one by one at most."""
+LIMITING = 10.0
+"""Times the tolerance of the steps beyond which an error of the mesh makes it worthless."""
 
 
 def effort(result: Result) -> str:
     """Return steps and times, solver, estimated errors of mesh and steps."""
-    attrs = result.data.attrs
+    attrs = result.stored.attrs
     parts = [counted(int(attrs[name]), words) for name, words in COUNTERS.items() if name in attrs]
     if "wall_time_s" in attrs:
         parts.append(f"{attrs['wall_time_s']:.3g} s wall time")
@@ -70,7 +73,7 @@ def _modes(attrs: Mapping[str, Any]) -> str:
 
 def _mesh(result: Result) -> str:
     """Say how the rods are divided and what that makes wrong."""
-    data = result.data
+    data = result.stored
     rods, orders = (data[f"station_{name}"].values.tolist() for name in ("rod", "order"))
     order = dict(zip(rods, orders, strict=True))
     meshes = [
@@ -89,7 +92,13 @@ def _mesh(result: Result) -> str:
         errors.append(
             "beside the element that a travelling force is in, over which the jump of forces is spread"
         )
-    return f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
+    text = f"Mesh: {', '.join(meshes)}{f' and {more} more rods' if more else ''}; estimated errors: {', '.join(errors)}"
+    if max(result.mesh_errors.values()) > LIMITING * float(data.attrs.get("tolerance", math.inf)):
+        text += (
+            f"; they are more than the tolerance of the steps, {number(data.attrs['tolerance'], 1)}: without a finer "
+            "mesh (accuracy, or elements) steps as small gain nothing"
+        )
+    return text
 
 
 def _steps(attrs: Mapping[str, Any]) -> str:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.results.data_schema import AXES
 from viscorod.results.reports.effort import counted, effort
 from viscorod.results.reports.report_parts import drift, ends, heading, places, stress, validity, warnings
 from viscorod.results.text_numbers import per_cent, percent, quantity
@@ -43,7 +44,7 @@ def run_report(run: Run) -> str:
 
 def _summary(run: Run) -> str:
     """Say how long a motion was followed, and by what."""
-    attrs = run.data.attrs
+    attrs = run.stored.attrs
     text = f"{quantity(float(run.time[-1] - run.time[0]), 's')} simulated"
     text += f" in {counted(int(attrs['steps']), 'steps')}" if "steps" in attrs else ""
     text += f" of {quantity(float(attrs['time_step']), 's')}" if "time_step" in attrs else ""
@@ -63,13 +64,13 @@ def _summary(run: Run) -> str:
 
 def _began(run: Run) -> str:
     """Report what the motion started from, unless it is the reference shape or the plain equilibrium."""
-    text = str(run.data.attrs.get("began_from", ""))
+    text = str(run.stored.attrs.get("began_from", ""))
     return f"Started from {text}" if "settling" in text or " at " in text else ""
 
 
 def _events(run: Run) -> str:
     """Report the events of the run."""
-    attrs = run.data.attrs
+    attrs = run.stored.attrs
     if "events" not in attrs:
         return ""
     events = json.loads(attrs["events"])
@@ -85,7 +86,7 @@ def _events(run: Run) -> str:
 
 def _heating(run: Run) -> str:
     """Say how much the motion warms the rods whose specific heat is known."""
-    known = "heat_capacities" in run.data.attrs and "dissipation" in run.data and run.time.size > 1
+    known = "heat_capacities" in run.stored.attrs and "dissipation" in run.stored and run.time.size > 1
     return str(run.self_heating()) if known else ""
 
 
@@ -99,7 +100,8 @@ def _shown_state(run: Run) -> tuple[str, int]:
 
 def _decay(run: Run) -> str:
     site, axis = run.main_motion
-    spread = float(np.ptp(run.history(site.label, "displacement").sel(axis=axis).values))
+    moved = run.vector(run.sites.at(site.label), "displacement")  # a data array would import xarray
+    spread = float(np.ptp(moved[:, AXES.index(axis)]))
     if run.time.size > 1 and run.rests:
         return "Nothing moves: what displacements change by is rounding"
     largest = f"{site.label} along {axis} has the largest range of displacement, {quantity(spread, 'm')}"

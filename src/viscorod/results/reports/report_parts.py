@@ -42,7 +42,9 @@ def heading(result: Result, summary: str) -> str:
     lines = [result.title] if result.title else []
     lines.append(summary)
     if result.outcome != "completed":
-        lines.append(f"stopped early ({result.outcome}): {result.data.attrs.get('message', '')}".rstrip(": "))
+        lines.append(
+            f"stopped early ({result.outcome}): {result.stored.attrs.get('message', '')}".rstrip(": ")
+        )
     return "\n".join(lines)
 
 
@@ -77,10 +79,10 @@ def places(result: Result) -> str:
 
 def reactions(equilibrium: Equilibrium | Steady) -> str:
     """Return forces and moments of the supports."""
-    if "reaction" not in equilibrium.data or equilibrium.data.sizes.get("support", 0) == 0:
+    if "reaction" not in equilibrium.stored or equilibrium.stored.sizes.get("support", 0) == 0:
         return ""
-    names = equilibrium.data["support"].values
-    values = equilibrium.data["reaction"].isel({equilibrium.dimension: -1}).values
+    names = equilibrium.stored["support"].values
+    values = equilibrium.stored["reaction"].isel({equilibrium.dimension: -1}).values
     size = float(np.max(np.abs(equilibrium.field("position", states=-1))))
     force, moment = (float(np.max(np.abs(part))) for part in (values[:, :3], values[:, 3:]))
     force = max(force, moment / size) if size > 0.0 else force  # round-off of either spoils both
@@ -102,7 +104,7 @@ def validity(result: Result) -> str:
 
 def _band_notes(result: Result) -> list[str]:
     """Say which rods moved beyond the band over which their loss factor is followed."""
-    if result.kind != "simulate" or "damping_laws" not in result.data.attrs:
+    if result.kind != "simulate" or "damping_laws" not in result.stored.attrs:
         return []
     try:
         notes = damping_validity(cast("Run", result)).notes
@@ -136,7 +138,7 @@ def stress(result: Result) -> str:
 
 def drift(result: Result) -> str:
     """Tell how far joints and held strains are from what they hold."""
-    attrs = result.data.attrs
+    attrs = result.stored.attrs
     if "drift_position" not in attrs:
         return ""
     return (

@@ -62,7 +62,11 @@ class Constraints(HeldCoordinates):
         self.update(t, before)
         if np.abs(self.driven).max(initial=0.0) > 0.0 or self.open_joints():
             return True
-        self.add_forces(reference, np.zeros_like(reference.twist))
+        return self.springs_push(reference)
+
+    def springs_push(self, state: State) -> bool:
+        """Return whether springs exert forces in a ``state``."""
+        self.add_forces(state, np.zeros_like(state.twist))
         return bool(np.any(self.force[~self.is_held] != 0.0))
 
     def add_forces(self, state: State, internal: Floats) -> None:

@@ -64,7 +64,7 @@ class ElementAssembly:
         self.groups, elements, self._positions, self._places = element_arrays(problem)
         self._unstressed, self.imposed = elements.reference, ImposedStrains(problem)
         whole = self._unstressed + self.imposed.constant
-        self._elements = elements._replace(reference=whole)
+        self._elements = present = elements._replace(reference=whole)
         self._reference = whole.copy() if problem.rest_strains else whole
         self.rest: tuple[Floats, Floats] = (np.zeros((1, *whole.shape)), np.zeros((1, *whole.shape)))
         self.prestress: Floats = np.zeros((0, 1, 6))
@@ -87,7 +87,7 @@ class ElementAssembly:
         self._operators: Operators | None = None
         self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
         self._update_stress = KnownTypes(geometric.update_stress)
-        self.constraints = Constraints(problem, self.elements)
+        self.constraints = Constraints(problem, lambda: present)
         self.relaxation: DashpotMemory | None = None
         if problem.relaxing:
             self.relaxation = DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))

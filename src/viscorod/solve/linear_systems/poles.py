@@ -103,7 +103,7 @@ def _of_modes(
 ) -> tuple[np.ndarray, tuple[str, ...]]:
     modes = complex_modes(solver, state, linear, count)
     kept = np.flatnonzero(modes.eigenvalues.imag > 0.0)
-    return modes.eigenvalues[kept], tuple(modes.names[k] for k in kept)
+    return modes.eigenvalues[kept], tuple(modes.shown.names[k] for k in kept)
 
 
 def _measured(

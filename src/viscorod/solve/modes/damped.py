@@ -100,7 +100,7 @@ def _nearest(found: DampedModes, count: int, near: float | None) -> np.ndarray:
 def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> DampedModes:
     """Return the same with better roots where residuals are not good."""
     roots, vectors = found.roots.astype(complex), found.vectors.astype(complex)
-    residuals = found.residuals.copy()
+    residuals, improved = found.residuals.copy(), False
     for k in wanted:
         if not reduction.good < residuals[k]:
             continue
@@ -114,7 +114,9 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
             continue
         residual = float(reduction.residuals(np.array([s]), x[:, None])[0])
         if residual < residuals[k]:
-            roots[k], vectors[:, k], residuals[k] = s, x, residual
+            roots[k], vectors[:, k], residuals[k], improved = s, x, residual, True
+    if not improved:  # they are in order
+        return replace(found, roots=roots, vectors=vectors)
     return _ordered(reduction, roots, vectors, residuals)
 
 

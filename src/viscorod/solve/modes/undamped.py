@@ -80,7 +80,7 @@ def undamped_modes(
         return _of_full_matrices(linear, precise)
     problem = VibrationProblem(linear)
     problem.require_finite()
-    return _of_iteration(problem, count, 0.0 if near is None else near**2)
+    return _of_iteration(linear, problem, count, 0.0 if near is None else near**2)
 
 
 class _AllModes(NamedTuple):
@@ -177,7 +177,7 @@ def _of_full_matrices(linear: Linearisation, precise: float = PRECISE) -> Undamp
     def flexibility(b: np.ndarray) -> np.ndarray:
         return np.asarray(flexible @ (shapes.T @ b))
 
-    return Undamped(problem.linear, rigid, squares, shapes, 0, True, True, flexibility)
+    return Undamped(linear, rigid, squares, shapes, 0, True, True, flexibility)
 
 
 def _indefinite(K: Floats, M: Floats) -> tuple[Floats, Floats]:
@@ -198,9 +198,9 @@ def _indefinite(K: Floats, M: Floats) -> tuple[Floats, Floats]:
     raise beyond_precision()
 
 
-def _of_iteration(problem: VibrationProblem, count: int, square: float) -> Undamped:
+def _of_iteration(linear: Linearisation, problem: VibrationProblem, count: int, square: float) -> Undamped:
     """Return the modes nearest to ``square`` and prove that there are no others among them."""
-    most = problem.linear.motions - problem.k
+    most = problem.motions - problem.k
     solve = problem.solver(square)
     squares, shapes = np.zeros(0), np.zeros((problem.size, 0))
     wanted, certified, reach = count + EXTRA, False, np.inf
@@ -228,7 +228,7 @@ def _of_iteration(problem: VibrationProblem, count: int, square: float) -> Undam
             break
         wanted = max(missing, 0) + EXTRA
         if wanted + len(squares) >= most - 1:
-            return _of_full_matrices(problem.linear.unconditional())
+            return _of_full_matrices(linear.unconditional())
     low = square - reach
     first = 0
     if certified and low > 0.0:
@@ -239,7 +239,7 @@ def _of_iteration(problem: VibrationProblem, count: int, square: float) -> Undam
     rigid = np.hstack([problem.rigid, shapes[:, neutral]])
     squares, shapes = squares[~neutral], shapes[:, ~neutral]
     flexibility = solve if square == 0.0 else problem.solver(0.0)
-    return Undamped(problem.linear, rigid, squares, shapes, first, False, certified, flexibility)
+    return Undamped(linear, rigid, squares, shapes, first, False, certified, flexibility)
 
 
 def _gap(distances: Floats, count: int) -> tuple[float, int]:
@@ -303,7 +303,7 @@ def _lanczos(
                 OPinv=inverse,
                 v0=start,
                 tol=tolerance,
-                ncv=min(problem.linear.motions - problem.k, max(2 * count + 10, 20)),
+                ncv=min(problem.motions - problem.k, max(2 * count + 10, 20)),
                 maxiter=100,
             )
         except spla.ArpackNoConvergence as error:

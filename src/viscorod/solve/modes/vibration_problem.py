@@ -17,11 +17,16 @@ __all__ = ["VibrationProblem"]
 
 
 class VibrationProblem:
-    """``K x = w^2 M x`` without rigid motions, which are eliminated: ``R' M x = 0``."""
+    """``K x = w^2 M x`` without rigid motions, which are eliminated: ``R' M x = 0``.
+
+    Args:
+        linear: small motions, which may keep this object: it refers to parts of them only.
+    """
 
     def __init__(self, linear: Linearisation) -> None:
         k = linear.rigid
-        self.linear, self.k = linear, k
+        self.basis, self.gradients, self.work = linear.basis, linear.gradients, linear.work
+        self.motions, self.k = linear.motions, k
         self.K = sparse.csr_array(0.5 * (linear.stiffness + linear.stiffness.T))
         self.M = linear.mass
         self.size = self.M.shape[0]
@@ -65,7 +70,7 @@ class VibrationProblem:
         """
         k = self.k if square == 0.0 else 0
         A = sparse.csr_array(self.K - square * self.M)[k:, k:]
-        G = self.linear.gradients
+        G = self.gradients
         rows = 0
         if G is not None:
             scale = float(np.abs(A.diagonal()).mean())
@@ -87,10 +92,10 @@ class VibrationProblem:
     def below(self, square: float) -> int:
         """Return the number of modes, rigid ones too if ``square`` is positive, with ``w^2 < square``."""
         shifted = sparse.csr_array(self.K - square * self.M)
-        work = self.linear.work
+        work = self.work
         if work is not None:
             work = work.plus(self.M, -square)
-        return negative_eigenvalues(Tangent(shifted, self.linear.basis, self.linear.gradients, work))
+        return negative_eigenvalues(Tangent(shifted, self.basis, self.gradients, work))
 
     def refined(
         self, squares: Floats, shapes: Floats, precise: float = PRECISE, sizes: Floats | None = None
@@ -103,7 +108,7 @@ class VibrationProblem:
             squares, shapes: what was found; precise: part of ``w^2`` that rounding may spoil.
             sizes: what :meth:`sizes` returns for them, if it is known.
         """
-        work = self.linear.work
+        work = self.work
         poor = EPS * (self.sizes(shapes) if sizes is None else sizes) > precise * np.abs(squares)
         if work is None or not poor.any():
             return squares, shapes
@@ -122,7 +127,7 @@ class VibrationProblem:
     def neutral(self, squares: Floats, shapes: Floats, sizes: Floats | None = None) -> np.ndarray:
         """Return which shapes, of unit inertia, have no stiffness but round-off; ``sizes`` as in :meth:`refined`."""
         found = np.abs(squares) <= 10.0 * EPS * (self.sizes(shapes) if sizes is None else sizes)
-        if self.linear.work is not None and found.any():
-            _, size = self.linear.work.form(shapes[:, found])
+        if self.work is not None and found.any():
+            _, size = self.work.form(shapes[:, found])
             found[found] = np.abs(squares[found]) <= 10.0 * EPS * size
         return found

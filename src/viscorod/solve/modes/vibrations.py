@@ -2,23 +2,28 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, replace
+from functools import cached_property, partial
+from typing import NamedTuple
 
 import numpy as np
 
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import StationReader
-from viscorod.solve.modes.damped import REAL, damped_modes
+from viscorod.solve.modes.damped import REAL, DampedModes, damped_modes
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
-from viscorod.solve.modes.undamped import slowest_square, undamped_modes
+from viscorod.solve.modes.undamped import Undamped, slowest_square, undamped_modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
 
 __all__ = [
     "Linearisation",
+    "ModesFound",
+    "ModesShown",
     "Vibrations",
     "complex_modes",
     "linearise",
@@ -86,6 +91,38 @@ class Vibrations:
     frequency_errors: Floats = field(default_factory=lambda: np.zeros(0))
 
 
+class ModesShown(NamedTuple):
+    """What modes look like; see the attributes of :class:`Vibrations` of the same names."""
+
+    shapes: np.ndarray
+    rotations: np.ndarray
+    positions: Floats
+    names: tuple[str, ...]
+    shares: Floats
+
+
+@dataclass(frozen=True)
+class ModesFound:
+    """Modes whose frequencies alone are computed at once; see the attributes of :class:`Vibrations` of the same names.
+
+    Attributes:
+        show: makes the rest, which takes a fifth of a small search.
+    """
+
+    eigenvalues: np.ndarray
+    frequencies: Floats
+    damping_ratios: Floats
+    residuals: Floats
+    rigid: int
+    certified: bool
+    show: Callable[[], ModesShown]
+
+    @cached_property
+    def shown(self) -> ModesShown:
+        """Shapes, names and shares of the energy, made when they are first asked for."""
+        return self.show()
+
+
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
     alone = slowest_square(linear) if count == 1 else None
@@ -104,7 +141,7 @@ def complex_modes(
     *,
     near: float | None = None,
     oscillating: bool = False,
-) -> Vibrations:
+) -> ModesFound:
     """Return the ``count`` slowest damped modes about ``state``, rigid motions first; or those ``near`` a frequency.
 
     Args:
@@ -129,39 +166,56 @@ def complex_modes(
         if enough or undamped.complete or wanted >= MOST_TRIED:
             break
         wanted *= 2
-    found = replace(found, vectors=energies.principal(found.vectors, found.roots))
-    kinds = energies.kinds(found.vectors)
-    momenta = undamped.rigid.T @ (linear.mass @ found.vectors)
-    creeping = np.linalg.norm(momenta, axis=0) ** 2 > 0.5 * energies.inertia(found.vectors)
-    kinds = [DAMPER if rigid else kind for kind, rigid in zip(kinds, creeping, strict=True)]
-    names = numbered(kinds, real, from_first=undamped.first == 0)
     # rigid motions first, as geometry has them
     rest = undamped.rigid.shape[1] if near is None and not oscillating else 0
     rigid = np.eye(len(undamped.rigid), linear.rigid)
     rigid = np.hstack([rigid, undamped.rigid[:, linear.rigid :]])[:, : min(rest, count)]
-    texts = [*linear.texts, *["free of stiffness"] * len(undamped.rigid.T)][: rigid.shape[1]]
     chosen = np.flatnonzero(~real) if oscillating else np.arange(len(real))
     if target is not None:
         chosen = chosen[np.argsort(np.abs(found.natural[chosen] - target), kind="stable")]
     chosen = np.sort(chosen[: count - rigid.shape[1]])
-    picked = found.picked(chosen)
-    s = np.concatenate([np.zeros(rigid.shape[1], dtype=complex), picked.roots])
-    vectors = np.hstack([rigid, picked.vectors])
-    shapes, rotations = station_shapes(solver.system.problem, state, linear.basis @ vectors)
+    s = np.concatenate([np.zeros(rigid.shape[1], dtype=complex), found.roots[chosen]])
     size = np.abs(s)
-    residuals = np.concatenate([np.zeros(rigid.shape[1]), picked.residuals])
-    return Vibrations(
+    residuals = np.concatenate([np.zeros(rigid.shape[1]), found.residuals[chosen]])
+    return ModesFound(
         eigenvalues=s,
         frequencies=size / (2.0 * np.pi),
         damping_ratios=np.divide(-s.real, size, out=np.zeros(len(s)), where=size > 0.0) + 0.0,
-        shapes=shapes,
-        rotations=rotations,
-        positions=StationReader(solver.system.problem).read(state.r, state.q, np.zeros_like(state.twist))[0],
         residuals=residuals,
-        names=(*texts, *(names[k] for k in chosen)),
-        shares=np.vstack([np.zeros((rigid.shape[1], 6)), energies.shares(picked.vectors)]),
         rigid=rigid.shape[1],
         certified=undamped.certified and found.traced and bool((residuals < RESIDUAL).all()),
+        show=partial(_shown, energies, solver.system.problem, state.copy(), undamped, found, rigid, chosen),
+    )
+
+
+def _shown(
+    energies: StrainEnergies,
+    problem: Problem,
+    state: State,
+    undamped: Undamped,
+    found: DampedModes,
+    rigid: Floats,
+    chosen: np.ndarray,
+) -> ModesShown:
+    """Return what rigid motions ``(size, k)`` and the ``chosen`` ones of the damped modes look like."""
+    linear = undamped.linear
+    vectors = energies.principal(found.vectors, found.roots)
+    kinds = energies.kinds(vectors)
+    momenta = undamped.rigid.T @ (linear.mass @ vectors)
+    creeping = np.linalg.norm(momenta, axis=0) ** 2 > 0.5 * energies.inertia(vectors)
+    kinds = [DAMPER if slow else kind for kind, slow in zip(kinds, creeping, strict=True)]
+    real = np.abs(found.roots.imag) <= REAL * np.abs(found.roots)
+    names = numbered(kinds, real, from_first=undamped.first == 0)
+    texts = [*linear.texts, *["free of stiffness"] * len(undamped.rigid.T)][: rigid.shape[1]]
+    picked = vectors[:, chosen]
+    every = np.hstack([rigid, picked])
+    shapes, rotations = station_shapes(problem, state, linear.basis @ every)
+    return ModesShown(
+        shapes,
+        rotations,
+        StationReader(problem).read(state.r, state.q, np.zeros_like(state.twist))[0],
+        (*texts, *(names[k] for k in chosen)),
+        np.vstack([np.zeros((rigid.shape[1], 6)), energies.shares(picked)]),
     )
 
 

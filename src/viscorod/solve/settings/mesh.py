@@ -35,7 +35,7 @@ class Meshed(Definition):
     accuracy: Annotated[float, _accuracy] = Key(
         "wanted accuracy of the mesh where a rod leaves out elements: estimated error of positions over the largest "
         "displacement, of section forces over the largest one, of each listed frequency over itself. The mesh is "
-        "refined until it is reached",
+        "refined until it is reached. A motion whose tolerance is larger takes that unless accuracy is given",
         default=1e-4,
         kw_only=True,
     )

@@ -193,6 +193,13 @@ class SimulateSettings(Meshed):
                 )
         return self
 
+    @property
+    def mesh_accuracy(self) -> float:
+        """The accuracy of the mesh: what was given, else no less than the tolerance that was given for the steps."""
+        if "accuracy" in self.model_fields_set:
+            return self.accuracy
+        return max(self.accuracy, self.tolerance or 0.0)
+
     @model_validator(mode="after")
     def _fits_integrator(self) -> Self:
         method = INTEGRATORS[self.integrator]

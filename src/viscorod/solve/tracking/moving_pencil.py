@@ -25,6 +25,8 @@ BLOCK = 4
 """Vectors of a block: roots that coincide at most."""
 CONVERGED, SURE = 1e-13, 1e-6
 """Change of a root, as a part of it, that is round-off; and by which it has converged at all."""
+ALIKE = 1e-8
+"""Difference of the sizes of two roots, as a part of them, that is round-off."""
 EXHAUSTED = 1e-12
 """Part of a block that is round-off where nothing new is left."""
 FASTEST = 1e-10
@@ -95,7 +97,7 @@ class MovingPencil:
             vectors = np.array([y for _, y in pairs]).T
             distinct = [k for k in range(len(roots)) if not _again(roots, vectors, k)]
             roots, vectors, complete = roots[distinct], vectors[:, distinct], len(distinct) == len(kept)
-        order = np.argsort(np.abs(roots), kind="stable")
+        order = _slowest_first(roots)
         return Spectrum(roots[order], np.asarray(self.basis @ vectors[:, order]), complete, space)
 
     def refined(self, s: complex, shape: np.ndarray, far: float) -> tuple[complex, np.ndarray] | None:
@@ -184,10 +186,18 @@ class MovingPencil:
         return (s, v[: p.size]) if last <= SURE else None
 
 
+def _slowest_first(roots: np.ndarray) -> np.ndarray:
+    """Return the order by size; of roots of one size, as two that flutter without damping are, growing ones first."""
+    order = np.argsort(np.abs(roots), kind="stable")
+    sizes = np.abs(roots[order])
+    group = np.cumsum(np.diff(sizes, prepend=sizes[:1]) > ALIKE * sizes)
+    return order[np.lexsort((-roots[order].real, group))]
+
+
 def _again(roots: np.ndarray, vectors: np.ndarray, k: int) -> bool:
     """Return whether a root is one of those before it, to which another start led too."""
     for j in range(k):
-        if abs(roots[j] - roots[k]) < 1e-8 * abs(roots[k]):
+        if abs(roots[j] - roots[k]) < ALIKE * abs(roots[k]):
             x, y = vectors[:, j], vectors[:, k]
             if abs(np.vdot(x, y)) ** 2 > 0.999999 * np.vdot(x, x).real * np.vdot(y, y).real:
                 return True

@@ -10,6 +10,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.newton import Outcome
+from viscorod.solve.transient.company_steps import CompanySteps
 from viscorod.solve.transient.integrators.collocation import Collocation
 from viscorod.solve.transient.integrators.company import Company, Member
 from viscorod.solve.transient.integrators.contract import Integrator, StepReport
@@ -62,13 +63,20 @@ class Retraced(Transient):
 
     Args:
         problem, integrator: what moves; ends: of its steps [s]; times: to be recorded [s], the first one 0.
+
+    Attributes:
+        ends, times: the same.
     """
 
     def __init__(
         self, problem: Problem, integrator: Integrator, ends: Sequence[float] | Floats, times: Floats
     ) -> None:
         super().__init__(problem, integrator, GivenSteps(ends))
-        self._times = times
+        self.ends, self.times = np.asarray(ends, dtype=float), times
+
+    def goes_as(self, other: Retraced) -> bool:
+        """Return whether steps end, and states are recorded, at the same times as those of another motion."""
+        return np.array_equal(self.ends, other.ends) and np.array_equal(self.times, other.times)
 
     def open(self, state: State, duration: float) -> None:
         """Begin in ``state`` (overwritten) a motion that lasts for ``duration`` [s]."""
@@ -83,13 +91,13 @@ class Retraced(Transient):
     @property
     def complete(self) -> bool:
         """Whether it went through all steps and recorded all times."""
-        return self.result.outcome is Outcome.COMPLETED and self.result.history.count == len(self._times)
+        return self.result.outcome is Outcome.COMPLETED and self.result.history.count == len(self.times)
 
     def _record_times(self, t: float, end: float, output_interval: float | None, final: bool) -> list[float]:
         del output_interval, final
         slack = 1e-9 * (end - t)
-        first, last = np.searchsorted(self._times, [t + slack, end + slack], side="right")
-        return [float(at) for at in self._times[first:last]]
+        first, last = np.searchsorted(self.times, [t + slack, end + slack], side="right")
+        return [float(at) for at in self.times[first:last]]
 
 
 def side_by_side(
@@ -106,6 +114,7 @@ def side_by_side(
         members: which numbers they differ by; not needed of one.
     """
     first, *others = motions
+    company: Company | None = None
     if isinstance(first.integrator, Collocation):
         company = Company(first.integrator, *(members[:1] or [Member(0, 0.0)]))
         for one, member in zip(others, members[1:], strict=True):
@@ -115,12 +124,36 @@ def side_by_side(
         one.open(state, duration)
     corners, jumps = first.corners(0.0, duration)
     own = [one.corners(0.0, duration)[0] for one in motions]  # as many, at times that may differ a little
+    steps = _compiled(company, motions, duration)
     for k, corner in enumerate(corners):
-        while first.integrator.t < corner:
-            for one, times in zip(motions, own, strict=True):
-                if not one.step(times[k]):
-                    return one
+        stuck = _go_on(motions, [times[k] for times in own], steps)
+        if stuck is not None:
+            return stuck
         if corner in jumps:
             for one, times in zip(motions, own, strict=True):
                 one.restart(times[k])
     return next((one for one in motions if not one.complete), None)
+
+
+def _compiled(company: Company | None, motions: Sequence[Retraced], duration: float) -> CompanySteps | None:
+    """Return what takes compiled steps of motions whose steps all end at the same times, if anything does."""
+    first, *others = motions
+    if company is None or not all(one.goes_as(first) for one in others):
+        return None
+    return CompanySteps.of(company, motions, duration, first.ends, first.times)
+
+
+def _go_on(
+    motions: Sequence[Retraced], corners: Sequence[float], steps: CompanySteps | None
+) -> Retraced | None:
+    """Go on to the next corner [s] of each; return the motion that did not get there, if any."""
+    first = motions[0]
+    while first.integrator.t < corners[0]:
+        apart = motions
+        if steps is not None and steps.ready:
+            apart = steps.go(corners[0])
+        for one in apart:
+            corner = corners[motions.index(one)]
+            if one.result.outcome is not Outcome.COMPLETED or not one.step(corner):
+                return one
+    return None

@@ -88,8 +88,14 @@ class ManySteps(TakenRecords):
         """
         if PURE_PYTHON or type(integrator) is not Radau or not isinstance(control, ErrorControl):
             return None
+        worth = cls.serves(integrator) and _worth_loading(integrator, long=long)
+        return cls(integrator, control, duration, output_interval) if worth else None
+
+    @staticmethod
+    def serves(integrator: Radau) -> bool:
+        """Return whether compiled code can take steps of an integrator."""
         problem, systems, content = integrator.system.problem, integrator.systems, integrator.actions.content
-        serves = (
+        return (
             problem.size <= MOST_NODES
             and (not problem.constrained or serves_links(integrator.system.constraints))
             and all(isinstance(load.law, CompiledLaw) for load in problem.motion_loads)
@@ -98,9 +104,7 @@ class ManySteps(TakenRecords):
             and _knows_motions(integrator.supports)
             and systems.real.plan.banded
             and _serves(integrator.tolerance)
-            and _worth_loading(integrator, long=long)
         )
-        return cls(integrator, control, duration, output_interval) if serves else None
 
     @property
     def ready(self) -> bool:
@@ -109,7 +113,7 @@ class ManySteps(TakenRecords):
 
     def look_ahead(self, corners: list[float]) -> None:
         """Take note of corners [s] after the next one, up to which steps go on."""
-        ahead = self._loop.ahead
+        ahead = self.loop.ahead
         ahead[:] = np.inf
         known = corners[:MOST_CORNERS]
         ahead[: len(known)] = known
@@ -123,19 +127,19 @@ class ManySteps(TakenRecords):
             number: of the first one; marks: steps at whose ends the state is kept, see :meth:`marked`.
             halved: that tries some again; account: before them.
         """
-        batch, numbers = self._loop.batch, self._loop.numbers
-        self._begin(account)
-        trials = self._loop.trials
+        batch, numbers = self.loop.batch, self.loop.numbers
+        self.hand_over(account)
+        trials = self.loop.trials
         trials[:] = -1.0, SETTLED, np.inf, number
         if halved is not None:
             trials[0], trials[2] = halved.coming
             assert halved.tolerance is not None  # steps of Radau follow one
-            self._loop.limits[loop_data.HALF] = self.integrator.half_tolerance(halved.tolerance)
+            self.loop.limits[loop_data.HALF] = self.integrator.half_tolerance(halved.tolerance)
         numbers[loop_data.MOST] = MOST_STEPS if len(marks) <= loop_data.MARKS else marks[loop_data.MARKS] - 1
         batch.marks[:] = 0
         batch.marks[: len(marks)] = marks[: loop_data.MARKS]
-        why = self._steps.call(self._addressed().argument)
-        self._finish()
+        why = self._steps.call(self.addressed().argument)
+        self.hand_back()
         steps = int(numbers[loop_data.STEPS])
         ends, lengths = batch.ends[:steps].tolist(), batch.lengths[:steps].tolist()
         self.control.took(lengths)
@@ -162,28 +166,28 @@ class ManySteps(TakenRecords):
 
     def compile(self) -> None:
         """Compile the loop, but none of the kernels that it calls, except for those of its own that the model needs."""
-        loop = Shared(self._loop).argument
+        loop = Shared(self.loop).argument
         self._steps.compiled((loop,))
         for kernel, arguments in own_kernels(self.integrator).values():
             KnownTypes(kernel).compiled((loop, *arguments))
 
-    def _begin(self, account: EnergyAccount) -> None:
+    def hand_over(self, account: EnergyAccount) -> None:
         """Hand the present state over."""
         integrator, clock, numbers, batch = (
             self.integrator,
-            self._loop.clock,
-            self._loop.numbers,
-            self._loop.batch,
+            self.loop.clock,
+            self.loop.numbers,
+            self.loop.batch,
         )
         state, links = integrator.state, integrator.stage_constraints
         if links is not None and links.still:
             constraints, arrays = links.constraints, links.arrays
             arrays.states.target[:], arrays.target_rate[:] = constraints.target, constraints.target_rate
         old, length = integrator.predictor.last or (state, 0.0)
-        for to, given in ((self._loop.state.now, state), (self._loop.state.last, old)):
+        for to, given in ((self.loop.state.now, state), (self.loop.state.last, old)):
             to.r[:], to.q[:], to.twist[:] = given.r, given.q, given.twist
-        self._loop.state.points[1], self._loop.state.reactions[1] = integrator.recorder.present
-        now = self._loop.state.now
+        self.loop.state.points[1], self.loop.state.reactions[1] = integrator.recorder.present
+        now = self.loop.state.now
         multiplier = state.multiplier if links is None else links.memory.multiplier
         course = integrator.lend(State(now.r, now.q, now.twist, multiplier))
         clock[:], numbers[:] = 0.0, 0
@@ -191,13 +195,13 @@ class ManySteps(TakenRecords):
         clock[loop_data.T], clock[loop_data.FACTOR_STEP], clock[loop_data.RATE] = course[:3]
         clock[loop_data.LAST_STEP] = length
         numbers[loop_data.HAVE], numbers[loop_data.FRESH] = course.have_jacobian, course.fresh_jacobian
-        limits = self._loop.limits
+        limits = self.loop.limits
         limits[loop_data.TOLERANCE] = integrator.step_factor * integrator.tolerance.value
         limits[loop_data.NEWTON] = integrator.newton_tolerance
         if isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.start is not None:
-            follows, begun = self._loop.state.follows, integrator.tolerance.start
+            follows, begun = self.loop.state.follows, integrator.tolerance.start
             follows.r[:], follows.q[:] = begun.r, begun.q
-        self._loop.loads.stages.factors[:] = np.nan  # what steps read may be Python's
+        self.loop.loads.stages.factors[:] = np.nan  # what steps read may be Python's
         batch.notes[0], batch.states.energies[4] = 0, 0.0
         batch.accounts[0] = (
             *(account.kinetic, account.elastic, account.viscous, account.external),
@@ -205,9 +209,9 @@ class ManySteps(TakenRecords):
         )
         batch.lost[0] = account.branches
 
-    def _finish(self) -> None:
+    def hand_back(self) -> None:
         """Bring the integrator to where the loop ended."""
-        clock, numbers, given = self._loop.clock, self._loop.numbers, self._loop.state
+        clock, numbers, given = self.loop.clock, self.loop.numbers, self.loop.state
         multiplier, links = self.integrator.state.multiplier.copy(), self.integrator.stage_constraints
         now, old = (
             State(one.r.copy(), one.q.copy(), one.twist.copy(), multiplier) for one in (given.now, given.last)
@@ -222,21 +226,21 @@ class ManySteps(TakenRecords):
             self.integrator.actions.reset()
         if numbers[loop_data.LOST] and factor_step > 0.0:
             self.integrator.systems.want(self.integrator.matrices, factor_step)
-        self.integrator.newton_tolerance = float(self._loop.limits[loop_data.NEWTON])
+        self.integrator.newton_tolerance = float(self.loop.limits[loop_data.NEWTON])
         if moved:
             if links is not None:
                 links.take_back(now, float(clock[loop_data.LAST_STEP]))
             end = StepEnd(*(field.copy() for field in given.end))
-            start = old, self._loop.state.points[0].copy(), self._loop.state.reactions[0].copy()
+            start = old, self.loop.state.points[0].copy(), self.loop.state.reactions[0].copy()
             h, _, *energies, strain = clock[loop_data.LAST_STEP : loop_data.GAP].tolist()
             kinetic, elastic, work, loss, outside = energies
             shares = work, loss, outside
             self.integrator.take_step(StepTaken(h, start, end, (kinetic, elastic, *shares), strain))
 
-    def _addressed(self) -> Shared[loop_data.StepLoop]:
+    def addressed(self) -> Shared[loop_data.StepLoop]:
         """Return what the loop works on, in memory, with all addresses in it."""
         if self._shared is None:
-            loop = self._loop
+            loop = self.loop
             self._shared = Shared(loop)
             arrays = (
                 loop.model,

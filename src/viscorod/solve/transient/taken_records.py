@@ -48,11 +48,11 @@ class TakenRecords:
     """
 
     def __init__(self, integrator: Radau, loop: loop_data.StepLoop) -> None:
-        self.integrator, self._loop = integrator, loop
+        self.integrator, self.loop = integrator, loop
 
     def marked(self, taken: Taken, marks: list[int]) -> list[tuple[int, Callable[[], Snapshot]]]:
         """Return the marks among the steps taken, with what returns the state there."""
-        rows = len(self._loop.batch.states.r) - loop_data.EXTRA_ROWS
+        rows = len(self.loop.batch.states.r) - loop_data.EXTRA_ROWS
 
         def state(k: int) -> Snapshot:
             return self._states(slice(rows + k, rows + k + 1)).at(0)
@@ -61,9 +61,9 @@ class TakenRecords:
 
     def tried(self) -> dict[int, TriedStep]:
         """Return the steps that were tried again, and whose halves came to their ends, by their numbers from 0."""
-        batch, found = self._loop.batch, {}
+        batch, found = self.loop.batch, {}
         first = len(batch.states.r) - loop_data.EXTRA_ROWS + loop_data.MARKS
-        for number, end, h, complete in batch.trials[: self._loop.numbers[loop_data.TRIED]].tolist():
+        for number, end, h, complete in batch.trials[: self.loop.numbers[loop_data.TRIED]].tolist():
             if complete:
                 start, *others = self._reached(slice(first, first + loop_data.TRIAL_ROWS))
                 found[int(number)] = TriedStep(end, h, start.state.twist, *others)
@@ -72,7 +72,7 @@ class TakenRecords:
 
     def _reached(self, rows: slice) -> list[Reached]:
         """Return the states in some rows, and their section forces, in arrays of their own."""
-        found = self._loop.batch.states
+        found = self.loop.batch.states
         fields = found.r, found.q, found.twist, found.fields.points[2]
         copies = zip(*(field[rows].copy() for field in fields), self._multipliers(rows), strict=True)
         return [Reached(State(r, q, twist, multiplier), force) for r, q, twist, force, multiplier in copies]
@@ -80,22 +80,22 @@ class TakenRecords:
     def _multipliers(self, rows: slice) -> list[Floats]:
         """Return the multipliers of the states in some rows, which may share an array where there are none."""
         if self.integrator.stage_constraints is None:
-            return [self.integrator.state.multiplier] * len(self._loop.batch.states.r[rows])
-        return list(self._loop.links.rows.multiplier[rows].copy())
+            return [self.integrator.state.multiplier] * len(self.loop.batch.states.r[rows])
+        return list(self.loop.links.rows.multiplier[rows].copy())
 
     def _joints(self, rows: slice) -> JointState | None:
         """Return the joints in the states in some rows."""
         if self.integrator.stage_constraints is None:
             return None
-        kept = self._loop.links.rows
+        kept = self.loop.links.rows
         return JointState(kept.value[rows].copy(), kept.rate[rows].copy(), kept.force[rows].copy())
 
     def bring(self, account: EnergyAccount) -> None:
         """Bring the energy account to the end of the steps taken."""
-        steps = int(self._loop.numbers[loop_data.STEPS])
-        found = self._loop.batch.accounts[steps].tolist()
+        steps = int(self.loop.numbers[loop_data.STEPS])
+        found = self.loop.batch.accounts[steps].tolist()
         account.kinetic, account.elastic, account.viscous, account.external, account.outside = found
-        account.branches = self._loop.batch.lost[steps].copy()
+        account.branches = self.loop.batch.lost[steps].copy()
 
     def records(self, account: EnergyAccount) -> tuple[list[float], Records, list[float], list[int]] | None:
         """Return instants, records, lengths of their steps [s] and iterations of the steps taken, if there are any.
@@ -103,13 +103,13 @@ class TakenRecords:
         Args:
             account: before the first of them.
         """
-        batch, rows = self._loop.batch, int(self._loop.numbers[loop_data.ROWS])
+        batch, rows = self.loop.batch, int(self.loop.numbers[loop_data.ROWS])
         if not rows:
             return None
         of_step, places = batch.of_step[:rows], batch.places[:rows]
         states = self._states(slice(rows))
         kinetic, work, loss, outside, _ = batch.states.energies[:, :rows]
-        steps = int(self._loop.numbers[loop_data.STEPS])
+        steps = int(self.loop.numbers[loop_data.STEPS])
         accounts = np.zeros((steps + 1, 8))
         accounts[:, :4], accounts[:, 5] = batch.accounts[: steps + 1, :4], batch.accounts[: steps + 1, 4]
         accounts[:, 6:] = account.actuator, account.start
@@ -131,10 +131,10 @@ class TakenRecords:
 
     def _states(self, rows: slice) -> Snapshots:
         """Return the states in some rows, in arrays of their own."""
-        found = self._loop.batch.states
+        found = self.loop.batch.states
         strain, rate, force = found.fields.points[:, rows].copy()
         kinetic, *_, elastic = found.energies[:, rows].copy()
-        branches, power, spring = self._loop.batch.branches, None, None
+        branches, power, spring = self.loop.batch.branches, None, None
         if self.integrator.dashpots is not None:
             power, spring = branches.power[rows].copy(), branches.strain[rows].copy()
         return Snapshots(

@@ -117,6 +117,8 @@ class Transient:
             if not result.history.count:
                 raise
             result.outcome, result.reason = Outcome.INTERRUPTED, str(error)
+        finally:  # what they belong to refers to this object
+            self._progress = self._after_step = self._notes = None
         self.update_counts()
         return result
 

@@ -8,6 +8,7 @@ sides the second one's follows from the first one's, to second order, and betwee
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,16 +19,17 @@ if TYPE_CHECKING:
     from viscorod.solve.transient.integrators.collocation import Collocation
     from viscorod.solve.transient.integrators.stage_systems import StageSystems
 
-__all__ = ["Company", "Member"]
+__all__ = ["LEFT", "Company", "Member", "predicted_rows"]
 
 LEFT = 1e-15
 """Left by the iteration (displacement over model length, rotation in rad): it goes on until nothing improves."""
 
 
-STALE = 0.05
+STALE = 0.005
 """Convergence rate of the leader from which on Jacobians are renewed: all iterate far."""
 UNCHANGED = -1
 """In the place of a number: a model in which none is changed."""
+NOTHING = np.zeros(0)
 
 
 class Member(NamedTuple):
@@ -47,11 +49,11 @@ class Company:
     def __init__(self, leader: Collocation, member: Member) -> None:
         self.leader = leader
         leader.company, leader.stale = self, STALE
+        self.followers: list[Collocation] = []
         self._members: dict[int, Member] = {id(leader): member}
-        self._lacks: dict[
-            int, list[Floats]
-        ] = {}  # of the first member of each number, and where nothing changes
-        self._of: tuple[Collocation, list[Floats]] | None = None  # who tried last, and what was predicted
+        self._first: dict[int, Member] = {member.number: member}
+        self._lacks: dict[int, Floats] = {}  # of the first member of each number, and where nothing changes
+        self._of: tuple[Collocation, Floats] | None = None  # who tried last, and what was predicted
         self._jacobians: dict[int, int] = {}  # of the leader, when those that follow had theirs
         self._begun: dict[int, float] = {}
         self._own: dict[int, StageSystems] = {}
@@ -60,7 +62,9 @@ class Company:
     def join(self, one: Collocation, member: Member) -> None:
         """Let an integrator follow, which has not begun."""
         one.company = self
+        self.followers.append(one)
         self._members[id(one)] = member
+        self._first.setdefault(member.number, member)
         self._own[id(one)] = one.systems
 
     def begin(self, one: Collocation) -> bool | None:
@@ -79,9 +83,13 @@ class Company:
         if one is self.leader:
             return None if one.stage_constraints is None else False
         self._solve_with(one, self.leader.systems)
-        seen = self._jacobians.get(id(one))
+        have = self.up_to_date(one)
         self._jacobians[id(one)] = self.leader.jacobians
-        return seen == self.leader.jacobians
+        return have
+
+    def up_to_date(self, one: Collocation) -> bool:
+        """Return whether the Jacobian of one that follows is as old as that of the leader."""
+        return self._jacobians.get(id(one)) == self.leader.jacobians
 
     def helped(self, one: Collocation) -> bool:
         """Return whether the leader had part in what has just been tried."""
@@ -108,44 +116,67 @@ class Company:
 
         A first change next to round-off can be less than the second one, as if the iteration diverged.
         """
-        mine = _predicted(one)
+        rows = predicted_rows(one)
         if one is self.leader:
-            self._lacks.clear()
+            self.forget()
         elif self._of is not None and self._of[0] is not one:
-            self._learn(*self._of)
-        self._of = one, [values.copy() for values in mine]
+            other, predicted = self._of
+            self.learn(other, np.concatenate(predicted_rows(other)) - predicted)
+        self._of = one, np.concatenate(rows)
         if one is self.leader or self._again:
             return
-        for values, lack in zip(mine, self._expected(self._members[id(one)]), strict=True):
-            np.add(values, lack, out=values)
+        lack, at = np.empty(sum(map(len, rows))), 0
+        self.expect(one, lack)
+        for row in rows:
+            np.add(row, lack[at : at + len(row)], out=row)
+            at += len(row)
 
-    def _learn(self, other: Collocation, predicted: list[Floats]) -> None:
-        """Keep what the prediction of another integrator lacked in this step."""
-        lacked = [found - before for found, before in zip(_predicted(other), predicted, strict=True)]
-        leading, (number, change) = self._members[id(self.leader)], self._members[id(other)]
+    def forget(self) -> None:
+        """Forget what predictions of the last step lacked: the leader begins another one."""
+        self._lacks.clear()
+        self._of = None
+
+    def learn(self, one: Collocation, lacked: Floats) -> None:
+        """Keep what the prediction of an integrator ``lacked`` in this step, as one row of numbers."""
+        leading, (number, change) = self._members[id(self.leader)], self._members[id(one)]
         if number not in self._lacks:
             self._lacks[number] = lacked
         elif number == leading.number and UNCHANGED not in self._lacks and change != leading.change:
             first, part = self._lacks[number], leading.change / (leading.change - change)
-            self._lacks[UNCHANGED] = [a + part * (b - a) for a, b in zip(first, lacked, strict=True)]
+            self._lacks[UNCHANGED] = first + part * (lacked - first)
 
-    def _expected(self, member: Member) -> list[Floats]:
-        """Return what the prediction of a member will lack."""
-        number, change = member
+    def expect(self, one: Collocation, lack: Floats) -> None:
+        """Write what the prediction of a follower will lack."""
+        number, change = self._members[id(one)]
         unchanged = self._lacks.get(UNCHANGED)
         if unchanged is None:
-            return self._lacks[self._members[id(self.leader)].number]
-        earlier, first = self._lacks.get(number), self._first(number)
+            lack[:] = self._lacks[self._members[id(self.leader)].number]
+            return
+        earlier, first = self._lacks.get(number), self._first[number]
         if earlier is None or first.change == 0.0:
-            return unchanged
-        return [a + change / first.change * (b - a) for a, b in zip(unchanged, earlier, strict=True)]
+            lack[:] = unchanged
+            return
+        np.subtract(earlier, unchanged, out=lack)
+        lack *= change / first.change
+        lack += unchanged
 
-    def _first(self, number: int) -> Member:
-        return next(member for member in self._members.values() if member.number == number)
+    # --- steps that are taken in compiled calls
+
+    def lend(self) -> None:
+        """Let all that follow solve with the factors of the leader."""
+        for one in self.followers:
+            self._solve_with(one, self.leader.systems)
+
+    def take_back(self, up_to_date: Sequence[Collocation]) -> None:
+        """Go on step by step; some followers have a Jacobian as old as that of the leader."""
+        for one in self.followers:
+            self._jacobians[id(one)] = self.leader.jacobians if one in up_to_date else -1
 
 
-def _predicted(one: Collocation) -> list[Floats]:
-    """Return what is predicted of a step."""
+def predicted_rows(one: Collocation) -> tuple[Floats, ...]:
+    """Return what is predicted of a step, as rows of numbers, which may be written to."""
     links = one.stage_constraints
-    joints = [] if links is None else [links.arrays.states.multiplier, links.arrays.states.carried]
-    return [one.stages.X, one.stages.stress, *joints]
+    joints = (NOTHING, NOTHING)
+    if links is not None:
+        joints = links.arrays.states.multiplier, links.arrays.states.carried
+    return tuple(values.reshape(-1) for values in (one.stages.X, one.stages.stress, *joints))

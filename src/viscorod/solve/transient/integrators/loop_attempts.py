@@ -24,6 +24,7 @@ from viscorod.solve.transient.integrators.loop_data import (
     GOES_ON,
     HAVE,
     LAST_STEP,
+    LENT,
     LOST,
     NEWTON,
     OF_MIDDLE,
@@ -48,7 +49,7 @@ from viscorod.solve.transient.integrators.step_task import RATE as TRUSTED
 from viscorod.solve.transient.integrators.step_task import TOLERANCE as TOLERATED
 from viscorod.solve.transient.step_choice import CORNER
 
-__all__ = ["attempt"]
+__all__ = ["attempt", "iterate", "prepare"]
 
 _attempt, _turn = returning(ATTEMPTED, whole=False), returning(TURNED)
 _with = returning(NOTHING, whole=False)
@@ -108,12 +109,47 @@ def provide(run: StepLoop, end: float) -> int:
         numbers[LOST] = 0
         if other:
             clock[FACTOR_STEP] = h
-        if not factorise(run, clock[FACTOR_STEP]):
+        if numbers[LENT] == 0 and not factorise(run, clock[FACTOR_STEP]):
             clock[FACTOR_STEP] = 0.0
             return ASK
         if other and whole:
             numbers[FACTORISED] += 1
     return GOES_ON
+
+
+@exact_part
+def prepare(run: StepLoop, end: float) -> int:
+    """Predict the stages of a step to ``end`` [s], and provide what they are iterated with, as :func:`provide`."""
+    h, calls = end - run.clock[T], run.calls
+    predict(run, h)
+    why = provide(run, end)
+    if why != GOES_ON:
+        return why
+    if calls.begin_branches != 0:
+        loop_branches.begin(run, h)
+    if calls.predict_links != 0:
+        _with(calls.predict_links, (run, h))
+    return GOES_ON
+
+
+@exact_part
+def iterate(run: StepLoop, h: float) -> tuple[int, int, float, int]:
+    """Iterate the stages of a step of ``h`` [s], which is prepared; return as :func:`attempt`, the error in itself."""
+    clock, numbers, limits, task = run.clock, run.numbers, run.limits, run.model.task
+    given = task.numbers
+    given[H], given[TOLERATED] = h, limits[NEWTON]
+    given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
+    code, count, _, rate, _, error, unknown = _attempt(run.calls.step, (task,))
+    good, s, counted = code == CONVERGED, task.stages.X.shape[0], 1 if numbers[TAKEN] == WHOLE else 0
+    numbers[EVALUATED] += counted * (count + 1 if good else count) * s
+    if good:
+        clock[RATE], numbers[FRESH] = rate, OLD
+        return GOES_ON, count, error, unknown
+    clock[RATE] = 1.0
+    if numbers[FRESH] == OF_START:
+        return FAILED, count, 0.0, 0
+    numbers[HAVE] = 0
+    return AGAIN, count, 0.0, 0
 
 
 @exact_part
@@ -125,33 +161,18 @@ def attempt(run: StepLoop, end: float) -> tuple[int, int, float, int]:
         that was a new one, or why the loop ends; iterations; error over the tolerated one, and the unknown where it is
         largest.
     """
-    clock, numbers, limits, task = run.clock, run.numbers, run.limits, run.model.task
-    h, stages, calls = end - clock[T], task.stages, run.calls
-    predict(run, h)
-    why = provide(run, end)
+    clock, numbers, limits, calls = run.clock, run.numbers, run.limits, run.calls
+    why = prepare(run, end)
     if why != GOES_ON:
         return why, 0, 0.0, 0
-    if calls.begin_branches != 0:
-        loop_branches.begin(run, h)
-    if calls.predict_links != 0:
-        _with(calls.predict_links, (run, h))
-    given = task.numbers
-    given[H], given[TOLERATED] = h, limits[NEWTON]
-    given[TRUSTED], given[ITERATIONS] = clock[RATE], limits[ALLOWED]
-    code, count, _, rate, _, error, unknown = _attempt(calls.step, (task,))
-    good, s, counted = code == CONVERGED, stages.X.shape[0], 1 if numbers[TAKEN] == WHOLE else 0
-    numbers[EVALUATED] += counted * (count + 1 if good else count) * s
-    if not good:
-        clock[RATE] = 1.0
-        if numbers[FRESH] == OF_START:
-            return FAILED, count, 0.0, 0
-        numbers[HAVE] = 0
-        return AGAIN, count, 0.0, 0
-    clock[RATE], numbers[FRESH] = rate, OLD
-    clock[TURN], node = _turn(calls.turn, (stages.X[s - 1],))
+    why, count, error, unknown = iterate(run, end - clock[T])
+    if why != GOES_ON:
+        return why, count, 0.0, 0
+    X = run.model.task.stages.X
+    clock[TURN], node = _turn(calls.turn, (X[X.shape[0] - 1],))
     if calls.furthest != 0 and clock[GAP] > error:
         error, unknown = clock[GAP], 0
-    if calls.unseen != 0 and counted != 0:
+    if calls.unseen != 0 and numbers[TAKEN] == WHOLE:
         message = run.message
         message[0] = clock[T]
         call(calls.unseen, message.ctypes, 4)

@@ -42,11 +42,13 @@ a state that is put back."""
     FACTORISED,
     RENEWED,
     PASSED,
+    LENT,
     NUMBERS,
-) = range(16)
+) = range(17)
 """Places among the numbers: whether there is a Jacobian, and one of the present step (see below), and whether its
 factors are lost; most steps; then counts, among them the steps that are tried again, beside whether the present one is,
-and what of it is taken, and last the corners of the loads that were passed."""
+and what of it is taken, then the corners of the loads that were passed, and last whether the factors are those of
+another model, which finds them itself."""
 
 OLD, OF_MIDDLE, OF_START = range(3)
 """What a Jacobian is of: an earlier step, or one that has converged; the middle of the present one, as it is predicted;

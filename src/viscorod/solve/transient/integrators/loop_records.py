@@ -29,7 +29,7 @@ from viscorod.solve.transient.integrators.loop_trials import keep
 from viscorod.solve.transient.integrators.record_kernels import Between, ResultFields, StageFields
 from viscorod.typing import Floats
 
-__all__ = ["record", "room_for"]
+__all__ = ["record", "record_due", "room_for"]
 
 TURN_OF_RECORD = 0.25
 """Rotation [rad] from record to record, if that takes more states than one above the stages."""
@@ -72,9 +72,15 @@ def room_for(limits: Floats, t: float, end: float) -> int:
 @exact_part
 def record(run: StepLoop, t: float) -> None:
     """Record what is due of the step that began at ``t`` [s] and has been accepted."""
+    clock, instants = run.clock, run.batch.instants[run.numbers[ROWS] :]
+    record_due(run, t, instants_of(run.limits, t, clock[T], clock[TURN], instants))
+
+
+@exact_part
+def record_due(run: StepLoop, t: float, count: int) -> None:
+    """Record the step that began at ``t`` [s] at its next ``count`` instants, which are known."""
     clock, numbers, batch, found = run.clock, run.numbers, run.batch, run.batch.states
     end, row, rows, marks = clock[T], numbers[ROWS], found.r.shape[0], batch.marks
-    count = instants_of(run.limits, t, end, clock[TURN], batch.instants[row:])
     places, of_step, within = batch.places, batch.of_step, 0
     for k in range(count):
         place = (batch.instants[row + k] - t) / (end - t)
