@@ -202,3 +202,23 @@ def test_numbers_are_put_into_a_bundle():
     assert both(shared) == 86.0
     assert shared.bundle == Last(2.0, Calls(3, 4))
     assert both(Shared(Last(0.5, Calls(1, 2)))) == 10.5
+
+
+class Counts(NamedTuple):
+    """Integers, as a rule."""
+
+    first: int
+    second: float
+
+
+def test_bundles_of_one_class_with_other_things_in_them_are_told_apart(outer):
+    """Each is laid out as Numba sees it, however they follow each other."""
+    inner = outer.inner
+    whole = [Pair(2.0, outer), Pair(2.0, Shared(outer)), Pair(2.0, inner), Pair(2.0, Counts(1, 2))]
+    whole += [Pair(2.0, Counts(1, 2.5)), Pair(2.0, ()), Pair(2.0, (inner.flags,)), Pair(2.0, (1.0, inner))]
+    first = [Shared(pair) for pair in whole]
+    assert len({shared.number for shared in first}) == len(whole)
+    for pair, known in zip(reversed(whole), reversed(first), strict=True):
+        again = Shared(pair)
+        assert again.number == known.number
+        np.testing.assert_array_equal(again._words, known._words)
