@@ -96,6 +96,7 @@ def _result(
         "mode_certified": int(found.certified),
         "mode_about": about,
     }
+
     def shown() -> vibrations.ModesShown:
         with one_blas_thread():
             return found.shown
