@@ -43,6 +43,20 @@ def test_intervals_of_noisy_decays_hold():
     assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.15)
 
 
+def test_intervals_of_a_decay_lie_about_its_numbers():
+    """As wide as the half widths that are stored, which hold as above; the truth of this one is in both."""
+    rng = np.random.default_rng(6)
+    found = vr.decay(TIMES, sine(TIMES) + rng.normal(0.0, 0.02, len(TIMES)))
+    for intervals, numbers, true, name in (
+        (found.frequency_intervals, found.frequencies, FREQUENCY, "frequency"),
+        (found.damping_ratio_intervals, found.damping_ratios, RATIO, "damping_ratio"),
+    ):
+        (low, high), width = intervals[0], found.data[f"{name}_width"].values[0]
+        assert (low + high) / 2.0 == pytest.approx(numbers[0], rel=1e-12)
+        assert (high - low) / 2.0 == pytest.approx(width, rel=1e-9)
+        assert low < true < high
+
+
 def test_least_squares_scatters_less_than_the_matrix_pencil():
     rng = np.random.default_rng(5)
     off = []
