@@ -160,6 +160,8 @@ def relaxing():
         (inextensible, {"tolerance": 1e-3, "output_interval": 0.013}),
         (inextensible_alone, {}),
         (relaxing, {"tolerance": 1e-3, "output_interval": 0.013}),
+        (hinged, {"tolerance": 1e-5, "output_interval": 0.013, "stages": 5}),
+        (inextensible, {"tolerance": 1e-4, "stages": 5}),
     ],
 )
 def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken):

@@ -303,6 +303,11 @@ def bent_out_of_two():
         (sleeve, {"tolerance": 1e-3}),
         (free, {}),
         (free, {"tolerance": 1e-3}),  # a third of the attempts do not converge
+        (clamped, {"tolerance": 1e-6, "output_interval": 0.02, "stages": 5}),
+        (clamped, {"tolerance": 1e-4, "stages": 7}),
+        (driven_in_all_ways, {"tolerance": 1e-5, "output_interval": 0.02, "stages": 5}),
+        (relaxing, {"tolerance": 1e-5, "stages": 5}),
+        (held_in_part_and_moved, {"tolerance": 1e-4, "output_interval": 0.013, "stages": 5}),
     ],
 )
 def test_steps_taken_at_once_are_those_taken_one_by_one(make, given, taken):

@@ -10,8 +10,9 @@ from __future__ import annotations
 
 import ctypes
 import itertools
+import operator
 import struct
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from typing import Any, Generic, TypeVar
 
 import numba
@@ -116,51 +117,80 @@ class Shared(Generic[Bundle]):
 
 
 class _Plan:
-    """What a bundle has in it, so that others can be compared with it, and taken apart."""
+    """What a bundle has in it, so that others can be compared with it, and taken apart.
 
-    def __init__(self, bundle: tuple[Any, ...], arrays: Iterator[int], numbers: Iterator[range]) -> None:
-        """Look at a bundle; arrays, numbers: where those in it stand among the words, in order."""
-        self.types = tuple(map(type, bundle))
-        self.is_array = [isinstance(item, np.ndarray) for item in bundle]
-        self.parts: list[tuple[int, _Plan]] = []
-        self.switches: list[tuple[int, bool]] = []
-        self.shared: list[tuple[int, int]] = []
-        self.numbers: list[int] = []
-        self.arrays_at: list[int] = []
-        self.numbers_at: list[int] = []
-        for k, item in enumerate(bundle):
-            if isinstance(item, np.ndarray):
-                self.arrays_at.append(next(arrays))
-            elif isinstance(item, tuple):
-                self.parts.append((k, _Plan(item, arrays, numbers)))
-            elif isinstance(item, bool | np.bool_):
-                self.switches.append((k, bool(item)))
-            else:
-                self.numbers.append(k)
-                self.numbers_at += next(numbers)
-                if isinstance(item, Shared):
-                    self.shared.append((k, item.number))
-        self.integers = set(self.types) == {int}
-        for _, part in self.parts:  # in the order of take_apart
-            self.arrays_at += part.arrays_at
-            self.numbers_at += part.numbers_at
+    Its items stand in one list: those of the bundle, then those of each bundle in that list, in its order.
+    """
 
-    def take_apart(self, bundle: tuple[Any, ...], arrays: list[np.ndarray], numbers: list[int]) -> bool:
-        """Append the arrays and numbers of a bundle, first its own; return whether it is like the first one."""
-        if tuple(map(type, bundle)) != self.types:
-            return False
-        if self.integers:
-            numbers += bundle
-            return True
-        arrays += itertools.compress(bundle, self.is_array)
-        for k in self.numbers:
-            numbers += _number(bundle[k])
-        for k, part in self.parts:
-            if not part.take_apart(bundle[k], arrays, numbers):
-                return False
-        return all(bool(bundle[k]) is value for k, value in self.switches) and all(
-            bundle[k].number == number for k, number in self.shared
+    def __init__(self, bundle: tuple[Any, ...], words: _Words) -> None:
+        """Look at a bundle, which ``words`` have been made of."""
+        flat: list[Any] = list(bundle)
+        first: dict[int, int] = {}
+        for k, item in enumerate(flat):  # which grows
+            if isinstance(item, tuple):
+                first[k] = len(flat)
+                flat += item
+        self._types = list(map(type, flat))
+        self._bundles = [(k, type(flat[k]), len(flat[k])) for k in first]
+        places = list(_in_order(flat, range(len(bundle)), first))
+        arrays = [k for k in places if isinstance(flat[k], np.ndarray)]
+        switches = [k for k in places if isinstance(flat[k], bool | np.bool_)]
+        others = [k for k in places if not isinstance(flat[k], np.ndarray | bool | np.bool_)]
+        at = dict(zip(others, words.numbers, strict=True))
+        whole, real = ([k for k in others if type(flat[k]) is kind] for kind in (int, float))
+        rest = [k for k in others if type(flat[k]) not in (int, float)]
+        self._arrays, self._switches, self._whole, self._real, self._rest = (
+            _items(numbers) for numbers in (arrays, switches, whole, real, rest)
         )
+        self._shared = _items([k for k in rest if isinstance(flat[k], Shared)])
+        self._switched = self._switches(flat)
+        self._numbers = [shared.number for shared in self._shared(flat)]
+        self.arrays_at = np.array(words.arrays, dtype=np.int64)
+        self._at = [
+            np.array([word for k in numbers for word in at[k]], dtype=np.int64)
+            for numbers in (whole, real, rest)
+        ]
+
+    def take_apart(self, bundle: tuple[Any, ...]) -> list[Any] | None:
+        """Return all items of a bundle; None if it is not like the first one."""
+        flat: list[Any] = list(bundle)
+        for k, kind, length in self._bundles:
+            item = flat[k]
+            if type(item) is not kind or len(item) != length:
+                return None
+            flat += item
+        if list(map(type, flat)) != self._types or self._switches(flat) != self._switched:
+            return None
+        if [shared.number for shared in self._shared(flat)] != self._numbers:
+            return None
+        return flat
+
+    def arrays(self, flat: list[Any]) -> tuple[np.ndarray, ...]:
+        """Return the arrays among the items of a bundle, in the order of ``arrays_at``."""
+        return self._arrays(flat)
+
+    def write_numbers(self, flat: list[Any], words: Integers) -> None:
+        """Write the numbers among the items of a bundle to its words."""
+        whole, real, rest = self._at
+        words[whole] = self._whole(flat)
+        words.view(np.float64)[real] = self._real(flat)
+        words[rest] = [word for value in self._rest(flat) for word in _number(value)]
+
+
+def _in_order(flat: list[Any], places: range, first: dict[int, int]) -> Iterator[int]:
+    """Return the places of all items but bundles, as compiled code has them; ``first``: of the items of each bundle."""
+    for k in places:
+        if k in first:
+            yield from _in_order(flat, range(first[k], first[k] + len(flat[k])), first)
+        else:
+            yield k
+
+
+def _items(places: list[int]) -> Callable[[list[Any]], tuple[Any, ...]]:
+    """Return what takes the items at some places from a list."""
+    if len(places) > 1:
+        return operator.itemgetter(*places)
+    return lambda flat: tuple(flat[k] for k in places)
 
 
 class _Layout:
@@ -180,26 +210,21 @@ class _Layout:
         words.add(bundle)
         self.blank = np.array(words.found, dtype=np.int64)
         self.fields = words.fields
-        self._plan = _Plan(bundle, iter(words.arrays), iter(words.numbers))
-        self._arrays, self._numbers = (
-            np.array(at, dtype=np.int64) for at in (self._plan.arrays_at, self._plan.numbers_at)
-        )
-        arrays: list[np.ndarray] = []
-        self._plan.take_apart(bundle, arrays, [])
-        rows = [described(array) for array in arrays]
+        self._plan = plan = _Plan(bundle, words)
+        rows = [described(array) for array in plan.arrays(plan.take_apart(bundle) or [])]
         self._descriptions = np.array(rows, dtype=np.int64).reshape(-1, 3)
 
     def words_of(self, bundle: tuple[Any, ...]) -> Integers | None:
         """Return the words of a bundle; None if it is of another kind."""
-        arrays: list[np.ndarray] = []
-        numbers: list[int] = []
-        if not READABLE or not self._plan.take_apart(bundle, arrays, numbers):
+        plan = self._plan
+        if not READABLE or (flat := plan.take_apart(bundle)) is None:
             return None
         words = self.blank.copy()
+        arrays = plan.arrays(flat)
         objects = np.fromiter(map(id, arrays), dtype=np.int64, count=len(arrays))
-        if not lay_out(objects, self._descriptions, self._arrays, words):
+        if not lay_out(objects, self._descriptions, plan.arrays_at, words):
             return None
-        words[self._numbers] = numbers
+        plan.write_numbers(flat, words)
         return words
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from viscorod.solve.constraints.parts import Parts, held_motions, many_parts
+from viscorod.solve.constraints.parts import Parts, count_of_parts, held_motions, many_parts
 from viscorod.solve.constraints.rigid_motions import motions_of_parts, rigid_share
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.block_diagonal import block_diagonal
@@ -37,7 +37,7 @@ class CarriedModes:
         both = np.hstack([modes.shapes, modes.rigid])
         self._whole = np.zeros(both.shape[1], dtype=bool)
         self._free = 0
-        if both.shape[1] and not many_parts(problem) and Parts.of(problem, start.r, start.q).count > 1:
+        if both.shape[1] and count_of_parts(problem) > 1 and not many_parts(problem):
             self._whole = rigid_share(problem, start.r, start.q, both) > WHOLE
             held, gradients = self._conditions(start, Parts.of(problem, start.r, start.q))
             self._free = len(motions_of_parts(problem, start.r, start.q, held, gradients).found)

@@ -74,7 +74,8 @@ def find_addresses(
     problem = integrator.system.problem
     carried = isinstance(integrator.tolerance, PartOfMotion) and integrator.tolerance.carrier is not None
     joined = problem.constrained, problem.joints.count > 0, len(problem.held.place) > 0
-    key = loop.number, renews, integrator.dashpots is None, carried, *there, *joined
+    inside = len(integrator.tableau.exact_inside) > 0
+    key = loop.number, renews, integrator.dashpots is None, carried, inside, *there, *joined
     found = _known.get(key)
     if found is None:
         kernels = _of_attempts(integrator, model, given) | _of_systems(integrator, systems)
@@ -171,7 +172,13 @@ def _of_records(integrator: Radau, model: LoopModel, given: LoopState, states: B
     fields = stages.twist, stages.strain, stages.strain_rate, stages.stress
     at_stages = StageFields(*fields, given.end.reactions, account.powers)
     step = h, tableau, given.last, reached, begin, at_stages, h, reading
-    return {
+    found = {}
+    if len(tableau.exact_inside):
+        into = (stages.r, stages.q, stages.twist), 0, 0, (states.r, states.q, states.twist)
+        found["go_through"] = address_of(
+            recorder.correction, kernel_results.NOTHING, lambda: (np.zeros(1), tableau, *into)
+        )
+    return found | {
         "end": address_of(
             recorder.ending,
             kernel_results.ENDED,

@@ -27,7 +27,7 @@ from viscorod.typing import Floats
 
 __all__ = ["MOST_CORNERS", "MOST_STEPS", "loop_arrays"]
 
-MOST_STEPS = 64
+MOST_STEPS = 128
 """Steps at once: an interrupt waits for them."""
 MOST_CORNERS = 63
 """Corners of loads that are known beforehand, beside the next one."""
@@ -74,7 +74,8 @@ def loop_arrays(
     state = _state(integrator, lent, fields.shape[1], len(reaction))
     branches = _branches(integrator)
     clock = np.zeros(loop_data.CLOCK)
-    batch = _batch(len(body.mass), fields.shape[1], len(reaction), len(branches.memory.loss))
+    inside = len(integrator.tableau.exact_inside)
+    batch = _batch(len(body.mass), fields.shape[1], len(reaction), len(branches.memory.loss), inside)
     links = link_arrays(integrator, lent, len(batch.states.r))
     return loop_data.StepLoop(
         model=loop_data.LoopModel(
@@ -151,9 +152,10 @@ def _held_in_part(integrator: Radau) -> loop_data.HeldInPart:
     )
 
 
-def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.Batch:
+def _batch(nodes: int, points: int, supports: int, branches: int, inside: int) -> loop_data.Batch:
     fit = MOST_BYTES // max(48 * points * branches, 1)
     rows = min(max(fit, LEAST_ROWS), MOST_ROWS)
+    states = rows + inside + loop_data.EXTRA_ROWS
     return loop_data.Batch(
         np.zeros(MOST_STEPS),
         np.zeros(MOST_STEPS),
@@ -163,8 +165,8 @@ def _batch(nodes: int, points: int, supports: int, branches: int) -> loop_data.B
         np.zeros(rows),
         np.full(rows + 1, 0.5),
         np.zeros(rows, dtype=np.int64),
-        Between.of(rows + loop_data.EXTRA_ROWS, nodes, points, supports),
-        BranchRows.of(rows + loop_data.EXTRA_ROWS, points, branches),
+        Between.of(states, nodes, points, supports),
+        BranchRows.of(states, points, branches),
         np.zeros(loop_data.MARKS, dtype=np.int64),
         np.zeros((loop_data.MOST_TRIALS, 4)),
     )

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from viscorod.mechanics.compilation.shared import Shared
@@ -37,7 +39,10 @@ _NONE = LoopLinks(
     0,
     LinkRows.of(0, 0, 0),
 )
-"""Of a model that has none of these, but for what nothing is closed with, which depends on the model."""
+"""Of a model that has none of these, but for what nothing is closed with, whose types are those of other arrays."""
+
+_closing: list[Shared[Closing]] = []
+"""What nothing is closed with, once it is known."""
 
 
 def serves_links(constraints: Constraints) -> bool:
@@ -79,13 +84,25 @@ def link_arrays(integrator: Radau, lent: Lent, rows: int) -> LoopLinks:
 
 
 def _nothing(integrator: Radau, lent: Lent) -> Shared[Closing]:
-    """Return what nothing is closed with, of the same types."""
+    """Return what nothing is closed with, of the same types in all models."""
+    if not _closing:
+        _closing.append(Shared(_emptied(_closing_of(integrator, lent))))
+    return _closing[0]
+
+
+def _emptied(value: Any) -> Any:
+    """Return a bundle of the same types whose arrays have no entries."""
+    if isinstance(value, tuple):
+        items = map(_emptied, value)
+        return type(value)._make(items) if hasattr(value, "_make") else tuple(items)
+    return np.zeros((0,) * value.ndim, value.dtype) if isinstance(value, np.ndarray) else value
+
+
+def _closing_of(integrator: Radau, lent: Lent) -> Closing:
     task, factors = lent.task.bundle, integrator.systems.factors
     links, none = task.links, np.zeros(0, dtype=np.int64)
     solver = Solver(factors.real, factors.real_rows, factors.scales, none, 0, 0, 0)
     strained = task.body.elements, task.points, task.work.element, task.stages.internal
     scratch = links.scale, factors.scales, task.start.twist, links.operators.gradients
     length = integrator.system.problem.length
-    return Shared(
-        Closing(links.joints, links.held, links.unit, links.scale, *strained, length, *scratch, solver)
-    )
+    return Closing(links.joints, links.held, links.unit, links.scale, *strained, length, *scratch, solver)

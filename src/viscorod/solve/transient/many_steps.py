@@ -103,7 +103,6 @@ class ManySteps(TakenRecords):
             and not (integrator.system.imposed.changes or integrator.forces.motion is not None)
             and _knows_motions(integrator.supports)
             and systems.real.plan.banded
-            and not len(integrator.tableau.exact_inside)
             and _serves(integrator.tolerance)
         )
 

@@ -211,7 +211,7 @@ class LoopState(NamedTuple):
     whole_stress: Floats
 
 
-MARKS, MOST_TRIALS = 8, 8
+MARKS, MOST_TRIALS = 12, 8
 """States at the ends of steps, beside the records, and steps that are tried again, that a loop keeps at most."""
 
 EXTRA_ROWS = MARKS + TRIAL_ROWS * MOST_TRIALS
@@ -227,8 +227,9 @@ class Batch(NamedTuple):
             outside ``(steps + 1, 5)``.
         lost: by each Maxwell branch, likewise ``(steps + 1, n)``; branches: of the states.
         instants, places: of the records [s], 0 to 1 in their steps, and 0.5; of_step: number of the step.
-        states: of the records; in the last :data:`EXTRA_ROWS` rows first of the ends of some steps: the ``marks``,
-            numbers of steps in ascending order; then of the steps that are tried again.
+        states: of the records; behind them at the inner stages of a step of many; in the last :data:`EXTRA_ROWS` rows
+            first of the ends of some steps: the ``marks``, numbers of steps in ascending order; then of the steps that
+            are tried again.
         trials: of these: number of the step in the loop, end and length [s], whether the halves came to their end
             ``(k, 4)``.
     """
@@ -258,10 +259,10 @@ class Backup(NamedTuple):
 class Addresses(NamedTuple):
     """Where the kernels are, and Python functions, 0 where there is nothing for them to do.
 
-    Kernels of Maxwell branches, of loads that see motion, of joints and held strains, and of supports that move, follow
-    tables, carry the rest along, or hold nodes in part, are there where there are any. Python renews Jacobians where
-    loads are unknown functions of time, and prepares steps where loads or motions are; it says what these do between
-    the stages if anything has to be looked for.
+    Kernels of Maxwell branches, of loads that see motion, of joints and held strains, of steps with many stages, and of
+    supports that move, follow tables, carry the rest along, or hold nodes in part, are there where there are any.
+    Python renews Jacobians where loads are unknown functions of time, and prepares steps where loads or motions are; it
+    says what these do between the stages if anything has to be looked for.
     """
 
     step: int
@@ -295,6 +296,7 @@ class Addresses(NamedTuple):
     kinetic: int
     correct: int
     correct_within: int
+    go_through: int
     turn_alone: int
     prescribe_start: int
     joint_forces: int

@@ -137,9 +137,16 @@ def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
     reached = MovingPoses(now.r, now.q, now.twist, state.end.rate)
     step = (h, task.method, state.last, reached, begin, at_stages, run.clock[LOSS], reading)
     into = Between(to, found.r, found.q, found.twist, found.fields, found.energies)
-    corrected = run.calls.correct_within != 0
+    many = run.calls.go_through != 0
+    corrected, places = many or run.calls.correct_within != 0, run.batch.places[first : first + size]
     for k in range(2 if corrected else 1):
-        if k == 1:
+        if k == 1 and many:
+            spare = run.batch.instants.shape[0]
+            inside = Between(spare, found.r, found.q, found.twist, found.fields, found.energies)
+            _do(run.calls.between, (task.method.nodes[: stages.X.shape[0] - 1], *step, True, False, inside))
+            at_stages, states = (stages.r, stages.q, stages.twist), (found.r, found.q, found.twist)
+            _do(run.calls.go_through, (places, task.method, at_stages, to, spare, states))
+        if k == 1 and run.calls.correct_within != 0:
             _with(run.calls.correct_within, (run, first, size, to))
         kind = (k == 0, k == 1 or not corrected)
-        _do(run.calls.between, (run.batch.places[first : first + size], *step, *kind, into))
+        _do(run.calls.between, (places, *step, *kind, into))

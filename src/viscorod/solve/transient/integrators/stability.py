@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 from viscorod.solve.transient.integrators.tableau import Tableau
@@ -18,8 +20,13 @@ def stability(tableau: Tableau, z: np.ndarray) -> np.ndarray:
 
 def order(tableau: Tableau) -> int:
     """Return the order of a collocation method: that of its quadrature (Hairer and Wanner 1996, IV.5.2)."""
-    c, weights, found = tableau.nodes, tableau.weights, 0
-    while found < 2 * len(c) and abs(float(weights @ c**found) - 1.0 / (found + 1)) < 1e-12:
+    return _order_of_quadrature(tuple(tableau.nodes.tolist()), tuple(tableau.weights.tolist()))
+
+
+@cache
+def _order_of_quadrature(nodes: tuple[float, ...], weights: tuple[float, ...]) -> int:
+    c, found = np.array(nodes), 0
+    while found < 2 * len(c) and abs(float(np.array(weights) @ c**found) - 1.0 / (found + 1)) < 1e-12:
         found += 1
     return found
 

@@ -7,10 +7,10 @@ import numpy as np
 from viscorod.mechanics.compilation.known_types import KnownTypes
 from viscorod.mechanics.elements.internal_force import GaussStates
 from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpolate
-from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
+from viscorod.solve.transient.integrators.inner_stages import go_through_stages
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
     Kept,
@@ -69,6 +69,7 @@ class StepRecorder:
         self.start_rate = np.zeros(stages.twist.shape[1:])
         self._reactions = np.zeros(stages.reaction.shape)
         self.ending, self.reading_between = KnownTypes(end_step), KnownTypes(read_between)
+        self.correction = KnownTypes(go_through_stages)
 
     def record_state(
         self, state: State, points: GaussStates, reaction: Floats, kinetic: float, elastic: float
@@ -165,8 +166,8 @@ class StepRecorder:
         places = np.append(parts, inner) if len(inner) else parts
         self.reading_between.call(places, *given, True, not corrected, found)
         if len(inner):
-            weights = self.tableau.polynomials(parts)[:, : len(inner)]
-            correct_inside(weights, (found.r, found.q, found.twist), (stages.r, stages.q, stages.twist))
+            at_stages, states = (stages.r, stages.q, stages.twist), (found.r, found.q, found.twist)
+            self.correction.call(parts, self.tableau, at_stages, 0, count, states)
             found = found.first(count)
         if held:
             for r, q, twist, part in zip(found.r, found.q, found.twist, parts, strict=True):
@@ -226,22 +227,3 @@ def interpolate_states(
         np.empty((10, 6)),
     )
     return [State(*fields, new.multiplier) for fields in zip(r, q, twist, strict=True)], twist
-
-
-def correct_inside(weights: Floats, found: tuple[Floats, Floats, Floats], stages: tuple[Floats, ...]) -> None:
-    """Correct poses and twists within a step so that they go through its stages.
-
-    Args:
-        weights: ``(k, m)`` of polynomials that are one at one stage, zero at the others and at the start.
-        found: poses and twists, ``k`` to be corrected and those at the first ``m`` stages, interpolated; overwritten.
-        stages: poses and twists there.
-    """
-    (r, q, twist), (r_stages, q_stages, twist_stages) = found, stages
-    k, m = weights.shape
-    r[:k] += np.tensordot(weights, r_stages[:m] - r[k:], 1)
-    twist[:k] += np.tensordot(weights, twist_stages[:m] - twist[k:], 1)
-    turn = product(conjugate(q[k:]), q_stages[:m])
-    turn /= turn[..., :1]  # one, and half of a small rotation vector
-    whole = np.tensordot(weights, turn, 1)
-    whole[..., 0] = 1.0
-    q[:k] = product(q[:k], whole / np.linalg.norm(whole, axis=2, keepdims=True))
