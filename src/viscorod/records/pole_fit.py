@@ -47,6 +47,8 @@ WIDTHS = 3.0
 """Half-power widths on each side that take part where the peak is wide."""
 HIGH = 0.6
 """Part of a peak above which its lines are counted; 0.7 is half the power, and noise is on it."""
+NO_MODE = 0.25
+"""Part of a peak that one mode leaves over from which on it has not the shape of a mode."""
 NO_NOISE, STRUCTURED = 3.5, 1e-3
 """Deviations from which on lines are alike, and the part of the peak from which on that is told."""
 HALF_POWER_WITHIN = 20.0
@@ -117,7 +119,8 @@ def modal_fit(
         for one, turn in zip(listed, turned, strict=True)
         if turn
     ] + [
-        f"a peak stands at {hertz[k]:.5g} Hz, whose ratio is not told from zero: it is left out"
+        f"a peak stands at {hertz[k]:.5g} Hz that has not the shape of a mode whose ratio is told from zero: it is "
+        "left out"
         for (k, _), found in zip(peaks, modes, strict=True)
         if not found
     ]
@@ -204,7 +207,7 @@ def _modes(
     poles = poles_of([fit for _, fit in fits])
     found: list[list[Pole]] = [[] for _ in peaks]
     for (place, _), told in zip(fits, poles, strict=True):
-        if told is not None:
+        if told is not None and told.misfit < NO_MODE:
             found[place].append(told)
     return found
 
