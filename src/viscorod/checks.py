@@ -11,16 +11,17 @@ import inspect
 import math
 import os
 import reprlib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any, ParamSpec, TypeAlias, TypeVar
 
 import numpy as np
 
+from viscorod.argument_names import require_known
 from viscorod.errors import Fault, InputError
 from viscorod.limits import MOST_CHOSEN
 from viscorod.units import is_quantity, si_quantity, si_value
-from viscorod.wording import RefusedError, did_you_mean
+from viscorod.wording import RefusedError
 
 __all__ = [
     "KINDS",
@@ -28,7 +29,6 @@ __all__ = [
     "checked_with",
     "file_path",
     "flag",
-    "known_arguments",
     "matrix",
     "number",
     "number_of_parts",
@@ -288,63 +288,6 @@ KINDS: dict[str, Kind] = {
     "megabytes": number,
 }
 """Name of an argument -> what checks and converts its values."""
-
-
-def _called(function: Callable[..., Any]) -> str:
-    """Return what a user wrote to call it: a class is called by its own name."""
-    whole = function.__qualname__.split(".")
-    return whole[-2] if whole[-1] == "__init__" else whole[-1]
-
-
-def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed: Sequence[Any] = ()) -> None:
-    """Refuse arguments by names that a function does not have, and more values without names than it takes.
-
-    Raises:
-        InputError: there is one; the nearest name that it has is told.
-    """
-    code = function.__code__
-    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
-    if len(listed) > code.co_argcount and not code.co_flags & inspect.CO_VARARGS:
-        first = [name for name in names[: code.co_argcount] if name not in ("self", "cls")]
-        raise InputError(
-            Fault(
-                _called(function),
-                f"{listed[code.co_argcount]!r:.60}",
-                f"at most {len(first)} can be given without their names: {', '.join(first) or 'none'}",
-                f"write the name before the others: {', '.join(f'{name} = ...' for name in names[code.co_argcount :])}"
-                if code.co_kwonlyargcount
-                else "leave the others out",
-            )
-        )
-    if given.keys() <= set(names) or code.co_flags & inspect.CO_VARKEYWORDS:
-        return
-    wrong = next(name for name in given if name not in names)
-    known = [name for name in names if name not in ("self", "cls")]
-    advice = f"{did_you_mean(wrong, known, str)}the arguments are {', '.join(known)}"
-    raise InputError(Fault(f"{_called(function)}: {wrong}", "", "there is no argument of this name", advice))
-
-
-C = TypeVar("C", bound=type)
-
-
-def known_arguments(kind: C) -> C:
-    """Let all public methods of a class tell of arguments that they do not have."""
-    for name, found in list(vars(kind).items()):
-        plain = found.__func__ if isinstance(found, classmethod) else found
-        if name.startswith("_") or not inspect.isfunction(plain):
-            continue
-        told = _telling(plain)
-        setattr(kind, name, classmethod(told) if isinstance(found, classmethod) else told)
-    return kind
-
-
-def _telling(function: Callable[P, R]) -> Callable[P, R]:
-    @functools.wraps(function)
-    def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        require_known(function, kwargs, args)
-        return function(*args, **kwargs)
-
-    return call
 
 
 def checked(function: Callable[P, R]) -> Callable[P, R]:

@@ -138,3 +138,20 @@ def test_a_vibration_that_nothing_damps_is_told() -> None:
     found = strip().frequency_response(inputs="strip.end fz", outputs="strip.end uz", band=(5.0, 30.0))
     assert any("nothing damps the vibration at 18.38" in text for text in found.warnings)
     assert "-0" not in found.report()
+
+
+def test_modes_of_one_frequency_share_what_a_pole_has_in_a_response() -> None:
+    """Of a square rod bending both ways is one double pole: half of it each, whatever the direction of the load."""
+    steel = vr.Material(YOUNG, 0.29, 7850.0, damping=vr.KelvinVoigt(QUICK, QUICK))
+    model = vr.Model()
+    square = vr.Rectangle(HEIGHT, HEIGHT)
+    model.add(
+        "rod", vr.Rod.straight((0, 0, 0), (LENGTH, 0, 0), section=square, material=steel, elements=4, order=4)
+    )
+    model.clamp("rod.start")
+    hertz = [10.0, 18.0, 19.0, 30.0]
+    found = model.frequency_response(inputs="rod.end fz", outputs="rod.end uz", frequencies=hertz)
+    top = found.summit()
+    there = model.frequency_response(inputs="rod.end fz", outputs="rod.end uz", frequencies=[top.frequency])
+    assert top.amplitude == pytest.approx(there.amplification()[0], rel=1e-3)  # solved there, without poles
+    assert top.amplitude > 50.0 * found.amplification().max()

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from scipy.special import iv, ive, jv, kv, kve, yv
+from scipy.special import ellipk, iv, ive, jv, kv, kve, yv
 
 import viscorod as vr
 
@@ -64,3 +64,75 @@ def test_frequencies_that_a_mesh_does_not_resolve_are_told() -> None:
     assert "use more elements" in told
     exact = 22.0344916 * np.sqrt(2e11 * 0.005**2 / (4.0 * 7850.0)) / (2.0 * np.pi)  # Euler and Bernoulli
     assert abs(coarse.frequencies[2] / exact - 1.0) > 0.01
+
+
+def strut() -> vr.Model:
+    """A clamped strut of length 1 and EI = 1, pressed by twice Euler's load."""
+    section = vr.StiffnessSection({"EA": 1e6, "GA1": 1e6, "GA2": 1e6, "EI1": 1.0, "EI2": 2.0, "GJ": 1.0})
+    model = vr.Model()
+    model.add("strut", vr.Rod.straight((0, 0, 0), (0, 0, 1), section=section, elements=3, order=4))
+    model.clamp("strut.start")
+    model.force("strut.end", (0, 0, -2.0 * np.pi**2 / 4.0))
+    return model
+
+
+def test_states_on_the_way_that_are_unstable_are_told() -> None:
+    """Euler: straight from half the load on it is unstable; load steps go straight on, and the last one buckles."""
+    (told,) = strut().equilibrium(load_factors=(0.3, 0.49, 0.51, 0.7, 1.0)).warnings
+    assert told.startswith("the states at 0.51, 0.7 are unstable")
+    assert not strut().equilibrium(load_factors=(0.3, 0.49)).warnings
+    assert not strut().equilibrium().warnings
+
+
+def test_a_slender_spring_bows_at_haringxs_compression() -> None:
+    """Haringx 1948, both ends clamped: ``x (1 - G/E) = 1/2 (1 - sqrt(1 - (1 - G/E)/(1/2 + G/E) (2 pi D/L)^2))``.
+
+    x is the part of its length by which it is shorter. A coil is never quite straight: it bows a little beforehand, and
+    what keeps the bow small on the way is lost at that compression, where straight states begin to be unstable.
+    """
+    D, d, turns, length = 0.02, 0.001, 20, 0.16
+    ratio = 1.0 / 2.6
+    root = np.sqrt(1.0 - (1.0 - ratio) / (0.5 + ratio) * (2.0 * np.pi * D / length) ** 2)
+    compression = 0.5 * (1.0 - root) / (1.0 - ratio)
+    spring = vr.Model()
+    coil = vr.Rod.helix(
+        D / 2, length / turns, turns, section=vr.Circle(d / 2), material=STEEL, elements=60, order=4
+    )
+    spring.add("coil", coil)
+    spring.clamp("coil.start")
+    spring.support("coil.end", ("ux", "uy", "rx", "ry", "rz"))
+    spring.force("coil.end", (0, 0, -STEEL.youngs_modulus * ratio * d**4 / (8 * D**3 * turns) * length))
+    factors = compression * np.array([0.95, 1.06])
+    below, above = (spring.equilibrium(load_factor=float(factor), search=False) for factor in factors)
+    assert below.negative_eigenvalues == 0
+    assert above.negative_eigenvalues > 0
+    short = -below.displacement("coil.end")[2] / length
+    assert short == pytest.approx(factors[0], rel=0.02)
+
+
+@pytest.mark.parametrize("angle", [0.1, 2.0])
+def test_one_body_on_a_hinge_swings_as_a_physical_pendulum(angle: float) -> None:
+    """Period ``4 K(sin(angle/2)) sqrt(J/(m g d))`` with J about the hinge, K of the first kind (elliptic integral).
+
+    The body hangs on a rigid rod of a thousandth of its mass, as the message for models of bodies alone says.
+    """
+    mass, inertia, d, light = 2.0, 0.02, 0.3, 2e-3
+    centre = np.array([d * np.sin(angle), 0.0, -d * np.cos(angle)])
+    model = vr.Model()
+    model.add("bob", vr.Body(mass, (0.01, inertia, 0.03), centre=tuple(centre)))
+    section = vr.StiffnessSection([1.0] * 6, [light / d] * 3 + [1e-7, 1e-7, 2e-7])
+    held = ("kirchhoff", "bend_1", "bend_2", "twist")
+    model.add("bar", vr.Rod.straight((0, 0, 0), tuple(centre), section=section, constraints=held))
+    model.attach("bar.end", "bob")
+    model.support("bar.start", ("ux", "uy", "uz", "rx", "rz"))
+    model.gravity()
+    about = inertia + mass * d**2 + light * d**2 / 3.0 + 1e-7 * d
+    moment = 9.81 * (mass + light / 2.0) * d
+    slow = np.sqrt(moment / about) / (2.0 * np.pi)
+    period = 2.0 * ellipk(np.sin(0.5 * angle) ** 2) / np.pi / slow
+    run = model.simulate(period, initial="reference")
+    x, _, z = run.history("bob").values[-1]
+    assert np.arctan2(x, -z) == pytest.approx(angle, abs=1e-3 * angle)
+    half = run.history("bob", times=[0.5 * period]).values[0]
+    assert half[0] == pytest.approx(-centre[0], abs=1e-3 * d * angle)
+    assert model.modes(1).frequencies[0] == pytest.approx(slow, rel=1e-6)

@@ -43,6 +43,20 @@ def test_intervals_of_noisy_decays_hold():
     assert np.mean(widths) == pytest.approx(np.std(ratios), rel=0.15)
 
 
+def test_intervals_of_a_decay_lie_about_its_numbers():
+    """As wide as the half widths that are stored, which hold as above; the truth of this one is in both."""
+    rng = np.random.default_rng(6)
+    found = vr.decay(TIMES, sine(TIMES) + rng.normal(0.0, 0.02, len(TIMES)))
+    for intervals, numbers, true, name in (
+        (found.frequency_intervals, found.frequencies, FREQUENCY, "frequency"),
+        (found.damping_ratio_intervals, found.damping_ratios, RATIO, "damping_ratio"),
+    ):
+        (low, high), width = intervals[0], found.data[f"{name}_width"].values[0]
+        assert (low + high) / 2.0 == pytest.approx(numbers[0], rel=1e-12)
+        assert (high - low) / 2.0 == pytest.approx(width, rel=1e-9)
+        assert low < true < high
+
+
 def test_least_squares_scatters_less_than_the_matrix_pencil():
     rng = np.random.default_rng(5)
     off = []
@@ -129,7 +143,7 @@ def test_ratios_that_differ_are_named_and_not_the_last_one_of_which_little_is_kn
     """Of 0.05 +- 0.001, 0.04 +- 0.001 and 0.045 +- 0.02 the first two are seven standard errors apart."""
     size = np.array([3.0, 2.0, 1.0])
     ratio, width = np.array([0.05, 0.04, 0.045]), 1.96 * np.array([1e-3, 1e-3, 2e-2])
-    told = _trend({"ratio": ratio, "ratio_width": width, "amplitude": size})
+    (told,) = _trend({"ratio": ratio, "ratio_width": width, "amplitude": size}, "ratio", "damping ratio", "")
     assert told.startswith("the damping ratio is not one number: 0.05 at the amplitude 3, 0.04 at 2;")
 
 
@@ -365,3 +379,23 @@ def test_hum_is_called_so_however_well_its_ratio_is_told(seed):
     found = vr.decay(times, values + 0.06 * np.random.default_rng(seed).normal(size=len(times)), start=0.0)
     assert found.frequencies == pytest.approx([44.0 / (2.0 * np.pi), 50.0], rel=2e-3)
     assert any("does not die out: something else drives it" in one for one in found.warnings)
+
+
+def test_a_frequency_that_depends_on_the_amplitude_is_told():
+    """A softening spring: omega = omega0 (1 - A/10), its phase in closed form; one number is right nowhere."""
+    times = np.arange(0.0, 6.0, 0.01)
+    rate, omega = 0.4, 2.0 * np.pi * 4.0
+    size = np.exp(-rate * times)
+    phase = omega * (times - 0.1 * (1.0 - size) / rate)
+    noisy = size * np.cos(phase) + 1e-4 * np.random.default_rng(0).normal(size=len(times))
+    (told,) = [
+        one for one in vr.decay(times, noisy, modes=1).warnings if "the frequency is not one number" in one
+    ]
+    pairs = told.split(": ")[1].split("; ")[0].split(", ")
+    for pair in pairs:
+        hertz, amplitude = float(pair.split(" Hz")[0]), float(pair.split()[-1])
+        assert hertz == pytest.approx(4.0 * (1.0 - 0.1 * amplitude), rel=2e-3)
+    steady = np.exp(-rate * times) * np.cos(omega * times) + 1e-4 * np.random.default_rng(0).normal(
+        size=len(times)
+    )
+    assert not [one for one in vr.decay(times, steady).warnings if "not one number" in one]

@@ -150,6 +150,15 @@ def test_a_slip_is_not_answered_with_what_users_do_not_write(word):
         ),
         (lambda: vr.Run(swing()).plot(pth="a.png"), r"plot: pth: .*did you mean path\?"),
         (lambda: vr.Rod.straigt([0, 0, 0]), r"Rod.straigt: .*did you mean straight\?"),
+        (lambda: vr.Rod.straight([0, 0, 0]), r"straight: end: this argument is required and missing"),
+        (
+            lambda: vr.Rod.helix((0, 0, 0), (0, 0, 1), 3, radius=0.1),
+            r"helix: radius: 0\.1: it is given twice: \(0, 0, 0\) stands",
+        ),
+        (
+            lambda: vr.StaticRecord([1.0], loads=[1.0]),
+            r"StaticRecord: loads: .*given twice(.|\n)*place: .*missing",
+        ),
         (lambda: vr.sweep(model(), {"a": [1]}), r"this is a model, .*to_toml"),
     ],
 )

@@ -515,6 +515,28 @@ def test_a_ratio_that_depends_on_the_amplitude_is_not_called_the_materials():
     assert "not called the material's" in sentence
 
 
+def test_a_foretold_frequency_that_depends_on_the_amplitude_is_told_with_its_ends():
+    """A made-up decay with omega = omega0 (1 - A/0.2 m), its phase in closed form: 1.425 Hz at 0.01 m, 1.5 at rest."""
+    times = np.arange(0.0, 8.0, 0.02)
+    rate = 0.4
+    size = 1e-2 * np.exp(-rate * times)
+    phase = 2.0 * np.pi * 1.5 * (times - (size[0] - size) / (0.2 * rate))
+    noise = 1e-6 * np.random.default_rng(1).normal(size=len(times))
+    record = vr.Record(
+        times, size * np.cos(phase) + noise, place="a", quantity="position", direction="x", name="soft"
+    )
+    (soft,) = swings_of([(swing(), record)]).values()
+    (sentence,) = [
+        one
+        for one in amplitude_sentences({}, {"soft": soft}, "flat_loss")
+        if "The frequency of soft goes" in one
+    ]
+    assert "as one number it is known no better than that" in sentence
+    for part in (sentence.split("from ")[1], sentence.split(" to ")[1]):
+        hertz, amplitude = float(part.split(" Hz at ")[0]), float(part.split(" m")[0].split()[-1])
+        assert hertz == pytest.approx(1.5 * (1.0 - amplitude / 0.2), rel=3e-3)
+
+
 def test_what_is_not_the_materials_is_said():
     names = ["flat_loss + air_drag", "flat_loss", "kelvin_voigt"]
     merits, errors = np.array([0.0, 25.0, 90.0]), np.array([1.0, 2.0, 4.0])

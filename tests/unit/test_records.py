@@ -261,7 +261,7 @@ def test_records_of_tables(tmp_path, run):
     assert found.nuisances["beam.end.gain"].deviation == 0.02
     with pytest.raises(
         vr.InputError,
-        match="^Record: plaec: there is no argument of this name; did you mean place",
+        match=r"^Record: plaec: there is no argument of this name; did you mean place",
     ):
         record_of({**table, "plaec": "beam"}, tmp_path)
     for missing in ("value", "quantity", "place"):

@@ -112,6 +112,33 @@ def test_shared_bundles_within_others_are_references(outer):
     assert out.tolist() == EXPECTED
 
 
+class Rows(NamedTuple):
+    """Tuples without names, whose lengths belong to their types."""
+
+    first: tuple[Floats, ...]
+    second: tuple[Floats, ...]
+
+
+def test_tuples_of_other_lengths_are_other_bundles_also_if_they_have_as_many_arrays():
+    one, two, three = (np.array([value]) for value in (1.0, 2.0, 3.0))
+    long, short = Shared(Rows((one, two), (three,))), Shared(Rows((one,), (two, three)))
+    assert kinds_of(long) != kinds_of(short)
+    assert kinds_of(Shared(Rows((two, one), (three,)))) == kinds_of(long)
+
+
+def test_bundles_like_an_earlier_one_are_read_where_their_own_arrays_are(outer):
+    more = outer._replace(rows=(*outer.rows, np.array([3.0])))  # what stands behind them is elsewhere
+    other = outer._replace(factor=1.5, count=4, turn=1.0 + 2.0j, last=np.float64(8.0))
+    for given, last in (
+        (outer, [0.5, -3.0, -2.0, 0.25]),
+        (more, [0.5, -3.0, -2.0, 0.25]),
+        (other, [1.5, 4.0, 2.0, 8.0]),
+    ):
+        out = np.zeros(14)
+        entries(Shared(given), out)
+        assert out[10:].tolist() == last
+
+
 def test_layout_of_arrays_decides_about_types_but_not_that_of_few_entries(outer):
     one, turned = np.zeros((1, 3)), np.zeros((2, 3)).T
     assert kinds_of(one) == kinds_of(np.zeros((2, 3))) != kinds_of(turned)

@@ -102,3 +102,14 @@ def test_members_of_a_sweep_tell_a_doubt_once_for_all():
     case = case_from_dict(content("equilibrium"))
     found = vr.sweep(case, {"materials.rubber.youngs_modulus": [1e6, 2e6]}, workers=1)
     assert flat(found.report()).count("2 members (0, 1): warning: loads[2].time: a cubic spline") == 1
+
+
+def test_a_report_without_warnings_points_at_conditions_that_do_not_hold():
+    """A retardation time of a second in a strip that swings at some hertz: no Kelvin-Voigt material (LLT 2.6)."""
+    case = strip.content("simulate", duration=1.0)
+    case["materials"]["rubber"]["damping"] = {"shear_time": 1.0, "bulk_time": 1.0}
+    case["rods"]["beam"] |= {"elements": 4, "order": 5}
+    run = run_case(case_from_dict(case))
+    assert not run.validity().valid
+    assert run.warnings == []
+    assert run.report().endswith("No warnings beside what the rod model does not keep (NO above)")

@@ -69,7 +69,8 @@ def test_modes_that_die_out_alike_tell_it_without_noise():
     (told,) = [one for one in vr.decay(TIMES, own * np.exp(-TIMES / 0.8)).warnings if "same rate" in one]
     rates = [1.0 / 0.8 + 2.0 * np.pi * hertz * ratio for hertz, ratio in ((17.0, 0.0005), (5.0, 0.002))]
     assert [float(one) for one in told.split("rate, ")[1].split(" 1/s")[0].split(" to ")] == pytest.approx(
-        rates, abs=0.0051  # three digits are said
+        rates,
+        abs=0.0051,  # three digits are said
     )
     assert not any(
         "same rate" in one for one in vr.decay(TIMES, swing(5.0, 0.01) + 0.3 * swing(17.0, 0.01)).warnings

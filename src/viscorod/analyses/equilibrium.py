@@ -21,7 +21,7 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.statics.stability import stability_attributes
+from viscorod.solve.statics.stability import circulatory, stability_attributes, stability_of
 from viscorod.solve.statics.stage import Stage, begin_at, begin_stage, end_stages
 
 __all__ = ["equilibrium", "equilibrium_near", "find_initial_equilibrium", "require_no_initial_strain"]
@@ -50,6 +50,7 @@ class _Equilibrium:
         self._last = self._shown = 0.0
         self._staged = bool(settings.stages) or settings.start is not None
         self._passed: tuple[float, int] | None = None  # load step since the last one that was kept
+        self._unstable: list[float] = []  # load factors of states that were asked for on the way
 
     def found(self) -> Equilibrium:
         """Return the equilibrium.
@@ -137,9 +138,34 @@ class _Equilibrium:
         self._passed = reached, iterations
         if self._kept is None or reached in self._kept:
             self._record(reached, state, iterations)
+            if self._kept is not None and reached != self._kept[-1]:
+                self._judge(reached, state)
         if self.discrete.options.progress is not None:
             self.discrete.options.progress(self._of_all(reached), self._of_all(reached) - self._shown)
         self._shown = self._of_all(reached)
+
+    def _judge(self, reached: float, state: State) -> None:
+        """Note if a state on the way is unstable: load steps go on along a straight strut, whatever it would do."""
+        static = self.discrete.static
+        if circulatory(static.loads.at(0.0, True, reached)):
+            return
+        if stability_of(static, state, before=True, scale=reached, solved=True).unstable:
+            self._unstable.append(self._of_all(reached))
+        static.restore(state, 0.0, before=True, scale=reached)
+
+    def _passed_unstable(self) -> list[str]:
+        """Return a warning of states on the way that are unstable."""
+        if not self._unstable:
+            return []
+        which = ", ".join(f"{factor:.4g}" for factor in self._unstable)
+        states = (
+            f"state at the load factor {which} is" if len(self._unstable) == 1 else f"states at {which} are"
+        )
+        return [
+            f"the {states} unstable: a smaller load led to where the model buckles or snaps, and load steps went on "
+            "beside that; model.buckling says where, model.path what follows, and an equilibrium at that load_factor "
+            "alone is sought until it is stable"
+        ]
 
     def _keep_last(self, state: State) -> None:
         """Keep the last load step of a search that failed, though it was not asked for."""
@@ -180,7 +206,9 @@ class _Equilibrium:
     ) -> Equilibrium:
         searches, discrete = self.searches, self.discrete
         effort = sum(search.iterations for search in searches)
-        warnings = json.loads(discrete.attributes.get("warnings", "[]")) + self.notes
+        warnings = (
+            json.loads(discrete.attributes.get("warnings", "[]")) + self.notes + self._passed_unstable()
+        )
         attrs: dict[str, Any] = {
             "outcome": outcome.name.lower(),
             "steps": sum(search.count for search in searches),

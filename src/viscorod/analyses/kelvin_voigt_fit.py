@@ -120,6 +120,7 @@ class KelvinVoigtFit(WellNamed, Shown):
             f"{per_cent(storage)} at most, the loss modulus by {per_cent(loss)}."
         )
 
+    @checked
     def plot(self, path: str | Path | None = None, *, ax: Axes | None = None) -> Figure:
         """Draw storage and loss modulus of both over frequency, and the relative errors.
 

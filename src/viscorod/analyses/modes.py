@@ -96,20 +96,20 @@ def _result(
         "mode_certified": int(found.certified),
         "mode_about": about,
     }
-    if (found.shares[:, 5] > TWISTING).any():
-        points = discrete.system.gauss_positions()
-        told = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
-        if told:
-            attributes["warnings"] = json.dumps(told)
+
+    def shown() -> vibrations.ModesShown:
+        with one_blas_thread():
+            return found.shown
+
+    points = discrete.system.gauss_positions()
+    told = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
+    if told and (shown().shares[:, 5] > TWISTING).any():
+        attributes["warnings"] = json.dumps(told)
     states = discrete.arrays(Modes.kind, history, attributes)
     moving = ("small_motion", "part", "station", "axis")
 
     def parts(values: np.ndarray) -> np.ndarray:
         return np.stack([values.real, values.imag], axis=1)
-
-    def shown() -> vibrations.ModesShown:
-        with one_blas_thread():
-            return found.shown
 
     more: Arranged = {
         "mode_shape": (moving, lambda: parts(shown().shapes)),

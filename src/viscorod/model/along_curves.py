@@ -6,7 +6,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Sequence
 from typing import Any, Self, TypeAlias
 
-from viscorod.checks import known_arguments
+from viscorod.argument_names import known_arguments
 from viscorod.given_as import Amount, Amounts
 from viscorod.model.centrelines.centreline import Centreline, Twist
 from viscorod.model.centrelines.line_shapes import Arc, Helix, Straight

@@ -18,6 +18,7 @@ from viscorod.pictures.plots.plot_identification import (
 from viscorod.results.identification_report import (
     FORETOLD,
     foretold_table,
+    laws_table,
     limits_text,
     what_intervals_are_worth,
     with_prefix,
@@ -144,29 +145,8 @@ def _numbers(numbers: dict[str, Number], *, prefixes: bool = True) -> str:
 
 
 def _laws(fit: Identification) -> str:
-    held = any(law.prediction > 0.0 for law in fit.laws)
-    header = [
-        "law",
-        "numbers",
-        "squares",
-        "AICc",
-        "BIC",
-        *(["error of what was left out"] if held else []),
-        "fitted",
-    ]
-    rows = [
-        [
-            law.name,
-            str(law.unknowns),
-            f"{law.square:.5g}",
-            f"{law.aicc:.1f}",
-            f"{law.bic:.1f}",
-            *([f"{law.prediction:.3g}"] if held else []),
-            law.values,
-        ]
-        for law in fit.laws
-    ]
-    return _table(header, rows) + "<p>Criteria are less the least of them; errors are over the noise.</p>"
+    found = _table(*laws_table(fit, "error of what was left out"))
+    return found + "<p>Criteria are less the least of them; errors are over the noise.</p>"
 
 
 def _picture(picture: Figure) -> str:

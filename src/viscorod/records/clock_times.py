@@ -10,11 +10,14 @@ import numpy as np
 
 from viscorod.typing import Floats
 
-__all__ = ["clock_seconds", "is_clock_time", "since_first"]
+__all__ = ["clock_seconds", "is_clock_time", "is_date", "since_first"]
 
 _CLOCK = re.compile(
     r"\s*(?:(?P<date>\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2})[ T]\s*)?"
     r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:[.,]\d*)?)\s*(?:Z|[+-]\d\d:?\d\d)?\s*"
+)
+_DATE = re.compile(
+    r"\s*(?:\d{4}[-./]\d{1,2}[-./]\d{1,2}|\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{1,2}[./]\d{1,2}[./]\d{2})\s*"
 )
 DAY = 86400.0
 """Seconds."""
@@ -23,6 +26,11 @@ DAY = 86400.0
 def is_clock_time(cell: str) -> bool:
     """Return whether a cell is a time of day, such as 10:11:12.5 or 2024-03-01T10:11:12.5."""
     return _CLOCK.fullmatch(cell) is not None
+
+
+def is_date(cell: str) -> bool:
+    """Return whether a cell is a date and nothing else, such as 01.03.2024."""
+    return _DATE.fullmatch(cell) is not None
 
 
 def clock_seconds(cells: Sequence[str]) -> Floats | None:

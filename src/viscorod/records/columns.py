@@ -15,12 +15,12 @@ from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
 from viscorod.units import si_of, si_value
 
-__all__ = ["Columns", "is_unit", "name_and_unit", "si_factor", "si_size", "stacked"]
+__all__ = ["COUNTS", "Columns", "is_unit", "name_and_unit", "si_factor", "si_size", "stacked"]
 
 GRAVITY = 9.80665
 """m/s^2 of the unit g of accelerometers."""
 _BRACKETS = re.compile(
-    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
+    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*(?:\([^()]*\)[^()]*)*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
 )
 _PLAIN = {"-": "1", "": "", "1": "1", **dict.fromkeys(("sec", "Sec", "seconds", "Seconds", "sec."), "s")}
 _SPELT = {
@@ -33,7 +33,22 @@ _SPELT = {
 _GRAVITIES = {"g": 1.0, "G": 1.0, "gn": 1.0, "mg": 1e-3, "mG": 1e-3, "ug": 1e-6, "µg": 1e-6}
 """Units of accelerometers, in `GRAVITY`: of an acceleration g is no gram."""
 _PLAIN_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-COUNTS = ("px", "pix", "pixel", "pixels", "V", "mV", "volt", "volts", "counts", "digits", "LSB")
+COUNTS = (
+    "VOLT",
+    "Volt",
+    "Volts",
+    "px",
+    "pix",
+    "pixel",
+    "pixels",
+    "V",
+    "mV",
+    "volt",
+    "volts",
+    "counts",
+    "digits",
+    "LSB",
+)
 """What cameras and amplifiers give, of which only the user knows the size."""
 
 
@@ -71,10 +86,14 @@ class Columns:
         fits = fits or [
             k for k, name in enumerate(self.names) if name.casefold() == str(wanted).strip().casefold()
         ]
-        fits = fits or [k for k, name in enumerate(self.names) if name.rpartition(".")[2] == wanted]
+        fits = fits or [k for k, name in enumerate(self.names) if f".{name}".endswith(f".{wanted}")]
         if not fits:  # a heading as it stands in the file, with its unit
             name, unit = name_and_unit(str(wanted))
-            fits = [k for k, own in enumerate(self.names) if (own, self.units[k]) == (name, unit)]
+            pairs = list(zip(self.names, self.units, strict=True))
+            fits = [k for k, own in enumerate(pairs) if own == (name, unit)]
+            fits = fits or [
+                k for k, own in enumerate(pairs) if f".{own[0]}".endswith(f".{name}") and own[1] == unit
+            ]
         if len(fits) == 1:
             return fits[0]
         if not any(self.names):
@@ -323,6 +342,7 @@ _ENDINGS = (
         "g",
         "rad",
         "deg",
+        "°",
         "rad/s",
         "%",
         "ustrain",

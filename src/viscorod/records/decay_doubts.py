@@ -24,7 +24,8 @@ CREEP = 0.02
 """Way of the rest over the first amplitude that is told."""
 NEAR = 0.25
 """Relative distance of two frequencies that is called a beat."""
-LEVEL = 1e-3
+LEVEL, OTHER = 1e-3, 0.005
+"""Probability below which numbers of the pieces are not one by chance, and the relative difference that is told."""
 TIMES_FIRST = 3e-3
 """Relative distance from a whole multiple of the first frequency within which a faint mode may be its harmonic."""
 FAINT = 0.2
@@ -123,9 +124,8 @@ def doubts(
             "which they do not"
         )
     found += windowed
-    trend = _trend(pieces)
-    if trend:
-        found.append(trend)
+    found += _trend(pieces, "ratio", "damping ratio", "")
+    found += _trend(pieces, "frequency", "frequency", " Hz")
     return found
 
 
@@ -187,22 +187,22 @@ def half_power_width(frequency: float, ratio: float) -> float:
     return 2.0 * abs(ratio) * frequency
 
 
-def _trend(pieces: dict[str, Floats]) -> str:
-    """Return a sentence if the ratios of the pieces are not one number."""
-    ratio, width = pieces["ratio"], pieces["ratio_width"] / 1.96
-    if len(ratio) < 3:
-        return ""
+def _trend(pieces: dict[str, Floats], name: str, words: str, unit: str) -> list[str]:
+    """Return a sentence if the ratios or the frequencies of the pieces are not one number."""
+    values, width = pieces[name], pieces[f"{name}_width"] / 1.96
+    if len(values) < 3:
+        return []
     weight = 1.0 / np.maximum(width, 1e-300) ** 2
-    mean = float(np.sum(weight * ratio) / np.sum(weight))
-    if chi2.sf(float(np.sum(weight * (ratio - mean) ** 2)), len(ratio) - 1) > LEVEL:
-        return ""
-    if np.ptp(ratio) < 0.005 * abs(mean):
-        return ""
+    mean = float(np.sum(weight * values) / np.sum(weight))
+    if chi2.sf(float(np.sum(weight * (values - mean) ** 2)), len(values) - 1) > LEVEL:
+        return []
     # those two that are farthest apart for their doubt: the last ones are the least certain
-    apart = np.abs(ratio[:, None] - ratio) / np.hypot(width[:, None], width)
+    apart = np.abs(values[:, None] - values) / np.hypot(width[:, None], width)
     first, last = np.unravel_index(int(np.argmax(np.triu(apart))), apart.shape)
+    if abs(values[first] - values[last]) < OTHER * abs(mean):
+        return []
     amplitude = pieces["amplitude"]
-    return (
-        f"the damping ratio is not one number: {ratio[first]:.4g} at the amplitude {amplitude[first]:.3g}, "
-        f"{ratio[last]:.4g} at {amplitude[last]:.3g}; take that of the amplitude in question"
-    )
+    return [
+        f"the {words} is not one number: {values[first]:.4g}{unit} at the amplitude {amplitude[first]:.3g}, "
+        f"{values[last]:.4g}{unit} at {amplitude[last]:.3g}; take that of the amplitude in question"
+    ]

@@ -1,4 +1,4 @@
-"""Records over time: position, displacement, velocity, acceleration, strain or force at a place of a model."""
+"""Records over time: position, displacement, velocity, strain, force, rotation at a place of a model."""
 
 from __future__ import annotations
 
@@ -10,8 +10,15 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
+from viscorod.records.history_unknowns import unknowns_of_a_history
 from viscorod.records.other_files import columns_of
-from viscorod.records.read_off import BODY_AXES, QUANTITIES, Direction, direction_text, motion_along
+from viscorod.records.read_off import (
+    QUANTITIES,
+    WITHOUT_LEVER,
+    Direction,
+    direction_text,
+    motion_along,
+)
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
@@ -20,7 +27,6 @@ if TYPE_CHECKING:
 
 __all__ = ["Record"]
 
-QUARTER_TURN = 0.5 * np.pi
 EVEN = 1e-3
 """Part of the interval by which samples of one rate may be off their place."""
 MOST_WEIGHED = 14.0
@@ -38,10 +44,11 @@ class Record(AnyRecord):
 
     Args:
         times: increasing, s (n,).
-        values: SI (n,): m, m/s, m/s^2, 1 or N.
+        values: SI (n,): m, m/s, m/s^2, 1, N, rad, rad/s or N m.
         place: of the model, "beam.end", "beam@0.15", "plate.corner".
-        quantity: "position", "displacement" (from the reference shape), "velocity", "acceleration", "strain" or
-            "force" (of the section, what the part beyond exerts on the part before).
+        quantity: "position", "displacement" (from the reference shape), "velocity", "acceleration", "strain", "force"
+            or "moment" (of the section, what the part beyond exerts on the part before), "rotation" (rotation vector
+            from the reference shape, less than half a turn) or "angular_velocity".
         direction: "x", "y", "z" or a vector in global axes; of velocities, accelerations and forces also "d1", "d2",
             "d3", which turn with the section; of a strain a component such as "bend_2", or "axial" at the `lever`.
         noise: standard deviation of the noise of a sample, SI, one number or (n,); None where it is not known.
@@ -106,26 +113,13 @@ class Record(AnyRecord):
             raise InputError(
                 Fault(f"{where}: lever", "", "three numbers are needed", "give (0.0, 0.0, 0.01)")
             )
+        if quantity in WITHOUT_LEVER and self.lever.any():
+            why = f"a {quantity.replace('_', ' ')} is that of the whole section"
+            raise InputError(Fault(f"{where}: lever", "", why, "leave it out"))
         self.direction = QUANTITIES[quantity].direction(f"{where}: direction", direction)
         self.observed = self.values
         self.noise = deviations(f"{where}: noise", noise, self.values.shape)
-        span = float(self.times[-1] - self.times[0])
-        reach = float(np.ptp(self.values)) or float(np.abs(self.values).max()) or 1.0
-        first = float(self.times[0])
-        known = {
-            "release_time": (first, first - 0.5 * span, first + 0.5 * span),
-            "offset": (
-                0.0,
-                -1e3 * reach - float(np.abs(self.values).max()),
-                1e3 * reach + float(np.abs(self.values).max()),
-            ),
-            "drift": (0.0, -10.0 * reach / span, 10.0 * reach / span),
-            "gain": (1.0, 0.1, 10.0),
-        }
-        if not isinstance(self.direction, str) or self.direction in BODY_AXES:
-            known |= {f"orientation_{axis}": (0.0, -QUARTER_TURN, QUARTER_TURN) for axis in "xyz"}
-        if quantity != "force":
-            known |= {f"marker_{k}": (0.0, -np.inf, np.inf) for k in (1, 2, 3)}
+        known = unknowns_of_a_history(self.times, self.values, self.quantity, self.direction)
         self._named(name or place, unknown, known)
 
     @classmethod

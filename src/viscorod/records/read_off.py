@@ -21,6 +21,7 @@ __all__ = [
     "BODY_AXES",
     "COMPONENTS",
     "QUANTITIES",
+    "WITHOUT_LEVER",
     "Direction",
     "Quantity",
     "direction_text",
@@ -99,8 +100,13 @@ QUANTITIES = {
     "acceleration": Quantity(_along_or_body, ("m/s^2", "m/s^2")),
     "strain": Quantity(_component, ("1", "1/m")),
     "force": Quantity(_along_or_body, ("N", "N")),
+    "rotation": Quantity(_along, ("rad", "rad")),
+    "angular_velocity": Quantity(_along_or_body, ("rad/s", "rad/s")),
+    "moment": Quantity(_along_or_body, ("N m", "N m")),
 }
 """The quantities of histories."""
+WITHOUT_LEVER = ("force", "rotation", "angular_velocity", "moment")
+"""Quantities that all points of a section have alike."""
 
 
 def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn: Floats) -> Floats:
@@ -132,7 +138,7 @@ def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn
         return strain_along(found, record.direction, lever)[1:]
     frame: Any = found.get("frame")
     vector = _VECTORS[record.quantity](result, record.place, found, lever, frame)[1:]
-    if record.quantity in ("velocity", "acceleration"):
+    if record.quantity in ("velocity", "acceleration", "angular_velocity"):
         vector[waiting] = 0.0
     if of_body:
         axis = frame[1:, :, BODY_AXES.index(record.direction)]
@@ -146,7 +152,7 @@ def motion_along(result: Any, record: Record, times: Floats, lever: Floats, turn
     return along
 
 
-_OF_RODS = {"strain": ("strain",), "force": ("section_force",)}
+_OF_RODS = {"strain": ("strain",), "force": ("section_force",), "moment": ("section_force",)}
 """Fields of rods that quantities need; the others take longer than the rest."""
 
 
@@ -180,12 +186,30 @@ def _displacement(result: Any, place: str, found: Any, lever: Floats, frame: Flo
     moved = np.asarray(found["displacement"], dtype=float)
     if not lever.any():
         return moved
+    by_turning: Floats = moved + (frame - _reference_frame(result, place)) @ lever
+    return by_turning
+
+
+def _reference_frame(result: Any, place: str) -> Floats:
+    """Return the frame of a place in the reference shape (3, 3)."""
     from viscorod.mechanics.rotations.quaternion import matrices
 
     site = result.sites.at(place)
-    reference = matrices(site.rotation(np.asarray(result.data["reference_rotation"].values))[None])[0]
-    by_turning: Floats = moved + (frame - reference) @ lever
-    return by_turning
+    found: Floats = matrices(site.rotation(np.asarray(result.data["reference_rotation"].values))[None])[0]
+    return found
+
+
+def _rotation(result: Any, place: str, _found: Any, _lever: Floats, frame: Floats) -> Floats:
+    """Return rotation vectors from the reference shape in global axes, half a turn at most."""
+    from scipy.spatial.transform import Rotation
+
+    turned: Floats = Rotation.from_matrix(frame @ _reference_frame(result, place).T).as_rotvec()
+    return turned
+
+
+def _angular_velocity(_result: Any, _place: str, found: Any, _lever: Floats, frame: Floats) -> Floats:
+    turned: Floats = np.einsum("tij,tj->ti", frame, found["angular_velocity"])
+    return turned
 
 
 def _velocity(_result: Any, _place: str, found: Any, lever: Floats, frame: Floats) -> Floats:
@@ -209,9 +233,18 @@ def _acceleration(result: Any, place: str, found: Any, lever: Floats, _frame: Fl
 
 
 def _force(_result: Any, _place: str, found: Any, _lever: Floats, frame: Floats) -> Floats:
+    return _of_section(found, frame, slice(3))
+
+
+def _moment(_result: Any, _place: str, found: Any, _lever: Floats, frame: Floats) -> Floats:
+    return _of_section(found, frame, slice(3, 6))
+
+
+def _of_section(found: Any, frame: Floats, which: slice) -> Floats:
+    """Return components of section forces in global axes (n, 3)."""
     if "section_force" not in found:
         raise InputError("a place on a body has no section forces; give a place on a rod")
-    turned: Floats = np.einsum("tij,tj->ti", frame, found["section_force"][:, :3])
+    turned: Floats = np.einsum("tij,tj->ti", frame, found["section_force"][:, which])
     return turned
 
 
@@ -221,4 +254,7 @@ _VECTORS: dict[str, Callable[[Any, str, Any, Floats, Floats], Floats]] = {
     "velocity": _velocity,
     "acceleration": _acceleration,
     "force": _force,
+    "rotation": _rotation,
+    "angular_velocity": _angular_velocity,
+    "moment": _moment,
 }

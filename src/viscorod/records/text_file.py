@@ -16,8 +16,8 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.table_text import MISSING, SEPARATORS, Numbers, lines_of, looks_like_a_number
-from viscorod.records.clock_times import clock_seconds, is_clock_time
-from viscorod.records.columns import Columns, is_unit, name_and_unit
+from viscorod.records.clock_times import clock_seconds, is_clock_time, is_date
+from viscorod.records.columns import COUNTS, Columns, is_unit, name_and_unit
 from viscorod.records.complex_cells import (
     complex_of,
     complex_parts,
@@ -31,6 +31,8 @@ __all__ = ["columns_of_text"]
 
 _BARE = ("", "-", "1", "C", "°C", "K", "F", "°F")
 """Units that are none beside a name."""
+_COUNTED = ("sequence", "samples", "points")
+"""What stands for the unit of a column that counts samples."""
 _REMARK = re.compile(r"\s*(#|%|//)")
 
 
@@ -90,7 +92,7 @@ def _table(source: str, written: list[str]) -> Columns:
 def _numbers_in(cell: str) -> tuple[str, ...]:
     """Return the texts of the real numbers in a cell."""
     parts = complex_parts(cell)
-    return parts[:2] if parts else (cell,) if looks_like_a_number(cell) else ()
+    return parts[:2] if parts else (cell,) if looks_like_a_number(cell) and not is_date(cell) else ()
 
 
 def _row(
@@ -100,7 +102,7 @@ def _row(
     found: list[float | complex] = []
     for k, cell in enumerate(cells):
         parts = complex_parts(cell)
-        value = numbers.of(cell) if parts is None else complex_of(parts, numbers.of)
+        value = complex_of(parts, numbers.of) if parts else None if is_date(cell) else numbers.of(cell)
         if value is None:
             texts.setdefault(k, (number, cell))
         found.append(np.nan if value is None else value)
@@ -151,6 +153,7 @@ def _cells(line: str, divide: Callable[[str], list[str]], width: int | None = No
 def _measured(cell: str) -> bool:
     return (
         looks_like_a_number(cell)
+        or is_date(cell)
         or is_clock_time(cell)
         or complex_parts(cell) is not None
         or is_phase_without_unit(cell)
@@ -165,17 +168,23 @@ def _heads(
     lines: list[str], first: int, divide: Callable[[str], list[str]], width: int
 ) -> tuple[tuple[str, ...], tuple[str | None, ...]]:
     """Return names and units of the columns."""
+    # columns that end with the mark have an empty one behind them, which may have a name
+    open_end = len(divide(lines[first - 1])) > width
     near = [
-        (k, cells)
+        (k, cells[:width])
         for k in range(first - 1, max(first - 6, 0), -1)
-        if len(cells := _named_cells(lines[k - 1], divide, width)) == width and not _numeric(cells)
+        if (
+            len(cells := _named_cells(lines[k - 1], divide, width)) == width
+            or (open_end and len(cells) > width)
+        )
+        and not _numeric(cells)
     ]
     if not near:
         return tuple("" for _ in range(width)), tuple(None for _ in range(width))
     cells = near[0][1]
     below: list[str | None] = [None] * width
     if len(near) > 1 and _all_units(cells):
-        below = [cell.strip("[]() ") or None for cell in cells]
+        below = [None if cell.lower() in _COUNTED else cell.strip("[]() ") or None for cell in cells]
         cells = near[1][1]
     pairs = [name_and_unit(cell) for cell in cells]
     units = tuple(unit if unit is not None else under for (_, unit), under in zip(pairs, below, strict=True))
@@ -195,6 +204,8 @@ def _named_cells(line: str, divide: Callable[[str], list[str]], width: int) -> l
 
 def _all_units(cells: list[str]) -> bool:
     """Return whether a line below the names holds units: brackets, or texts that are units."""
-    texts = [cell.strip() for cell in cells]
+    texts = [cell.strip() for cell in cells if cell.strip().lower() not in _COUNTED]
     bracketed = all(re.fullmatch(r"[\[(].*[\])]", text) for text in texts if text)
-    return any(texts) and (bracketed or all(is_unit(text) for text in texts if text not in _BARE))
+    return any(texts) and (
+        bracketed or all(is_unit(text) or text in COUNTS for text in texts if text not in _BARE)
+    )

@@ -204,7 +204,7 @@ class Identification(StatelessResult):
 
     @property
     def residuals(self) -> Floats:
-        """Measured less predicted, SI."""
+        """Measured less predicted (n,), SI: all values of all records, in their order."""
         return np.asarray(self._values("measured") - self._values("predicted"))
 
     @property

@@ -18,6 +18,7 @@ __all__ = [
     "FORETOLD",
     "foretold_table",
     "identification_report",
+    "laws_table",
     "limits_text",
     "what_intervals_are_worth",
     "with_prefix",
@@ -55,7 +56,7 @@ def identification_report(fit: Identification) -> str:
         blocks.append(listed("What to know", fit.sentences))
     blocks.append(_residuals(fit))
     if fit.laws:
-        blocks.append(_laws(fit))
+        blocks.append(table("Laws on the same data; criteria less the least", *laws_table(fit, "left out")))
     if fit.foretold:
         header, rows = foretold_table(fit)
         blocks.append(table(FORETOLD, header, rows))
@@ -141,7 +142,8 @@ def _residuals(fit: Identification) -> str:
     return table("What is left", header, rows)
 
 
-def _laws(fit: Identification) -> str:
+def laws_table(fit: Identification, left_out: str) -> tuple[list[str], list[list[str]]]:
+    """Return the heads and the rows of a table of laws; ``left_out`` is the head of errors of what was left out."""
     held = any(law.prediction > 0.0 for law in fit.laws)
     rows = [
         [
@@ -155,8 +157,7 @@ def _laws(fit: Identification) -> str:
         ]
         for law in fit.laws
     ]
-    header = ["law", "numbers", "squares", "AICc", "BIC", *(["left out"] if held else []), "fitted"]
-    return table("Laws on the same data; criteria less the least", header, rows)
+    return ["law", "numbers", "squares", "AICc", "BIC", *([left_out] if held else []), "fitted"], rows
 
 
 def foretold_table(fit: Identification) -> tuple[list[str], list[list[str]]]:

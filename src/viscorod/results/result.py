@@ -42,7 +42,7 @@ class Result(RecordedStates, ABC):
 
         yield from super()._facts()
         quick = "strain" not in self.data or self.data["strain"].size <= READ_AT_ONCE
-        if found := self.warnings if quick else stored_warnings(self.data):
+        if found := self.warnings if quick else stored_warnings(self.stored):
             yield counted(len(found), "warning")
 
     @checked
@@ -253,7 +253,8 @@ class Result(RecordedStates, ABC):
         from viscorod.results.files.storage import write
         from viscorod.results.files.stored_derivatives import groups_of, with_derivatives
 
-        return write(with_derivatives(self), path, groups_of(self.derivatives))
+        content = with_derivatives(self) if self.derivatives else self.stored
+        return write(content, path, groups_of(self.derivatives))
 
     @checked
     def save_paraview(self, path: str | Path, *, sections: bool = False) -> Path:

@@ -141,7 +141,7 @@ def _critical_warnings(data: Stored) -> list[str]:
     ]
 
 
-def _frequency_warnings(data: xr.Dataset) -> list[str]:
+def _frequency_warnings(data: Stored) -> list[str]:
     """Return a warning of oscillating modes, or of resonances, whose frequencies change with the mesh."""
     resonances = float(data.attrs.get("frequency_error", 0.0))
     if resonances > _FREQUENCY:

@@ -54,6 +54,11 @@ LARGEST = 5e-4
 HIDDEN, FARTHEST = 3e-7, 1e-2
 """Change of positions over the size of the model, a millionth of which round-off (1e-13) nearly hides: a number that
 changes them less has four neighbours, which may differ by so much of it."""
+ROUNDED = 10.0
+"""Times what round-off leaves in positions over a step it leaves in velocities: rates of polynomials through stages."""
+STILL, HEARD, CLEAR = 1e-13, 6e-10, 2e-9
+"""Change of velocities times a step, over the size of the model and :data:`ROUNDED`: below which there is none, below
+which round-off (6e-16) is more than 1e-6 of it, and which is good."""
 WEAK = {"damping": 20.0, "inertia": 10.0}
 """Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
 UNMOVED = 1e-11
@@ -78,8 +83,9 @@ def motion_derivatives(
     tried = [_Tried.of(model, key, discrete, close, start) for key in keys]
     histories = _histories([one.neighbours for one in tried], settings, start, run)
     again: dict[int, _Tried] = {}
+    step = float(np.median(np.diff(run.ends_of_steps, prepend=0.0)))
     for k, (one, kept) in enumerate(zip(tried, histories, strict=True)):
-        better = one.better(model, discrete, _moved(kept, discrete.problem.length))
+        better = one.better(model, discrete, _apart(kept, discrete.problem.length, step))
         if better is not None:
             again[k] = better
     farther = [one.neighbours for one in again.values()]
@@ -95,6 +101,13 @@ def motion_derivatives(
 def change_of(steps: int) -> float:
     """Return by which part of it a number changes in a motion of so many steps."""
     return CLOSE * min(1.0, FEW_STEPS / max(steps, 1))
+
+
+class _Apart(NamedTuple):
+    """How far neighbours are apart: at places and in velocities, as for :data:`HEARD`; infinite if unknown."""
+
+    places: float
+    speeds: float = np.inf
 
 
 class _Tried(NamedTuple):
@@ -118,15 +131,21 @@ class _Tried(NamedTuple):
         part = close * max((farther for word, farther in WEAK.items() if word in key), default=1.0)
         found = cls(Neighbours.of(model, key, discrete, part), part)
         moved = start.moved(found.neighbours)
-        return found if moved < UNMOVED else found.better(model, discrete, moved) or found
+        return found if moved < UNMOVED else found.better(model, discrete, _Apart(moved)) or found
 
-    def better(self, model: ModelDescription, discrete: DiscreteModel, moved: float) -> _Tried | None:
-        """Return others, if these are ``moved`` too little or too far, over the size of the model."""
-        if self.part is None or LEAST <= moved <= MOST:
+    def better(self, model: ModelDescription, discrete: DiscreteModel, apart: _Apart) -> _Tried | None:
+        """Return others, if these are too close or too far ``apart``."""
+        if self.part is None:
             return None
-        key, other = self.neighbours.number.key, self.part * WANTED / max(moved, 1e-30)
-        nearer = min(other, LARGEST)
-        if moved * LARGEST < HIDDEN * self.part:
+        places, speeds = max(apart.places, 1e-30), apart.speeds
+        other, hidden = self.part * WANTED / places, places * LARGEST < HIDDEN * self.part
+        if LEAST <= places <= MOST:
+            if not STILL < speeds < HEARD:
+                return None
+            other = self.part * min(CLEAR / speeds, MOST / places)
+            hidden = speeds * LARGEST < HEARD * self.part
+        key, nearer = self.neighbours.number.key, min(other, LARGEST)
+        if hidden:
             return _Tried(Neighbours.of(model, key, discrete, many=min(other, FARTHEST)), None)
         if abs(nearer - self.part) > ALIKE * self.part:
             return _Tried(Neighbours.of(model, key, discrete, nearer), nearer)
@@ -163,10 +182,19 @@ def _histories(
     return [[next(left).result.history for _ in neighbours.each] for neighbours in every]
 
 
-def _moved(histories: Sequence[History], length: float) -> float:
-    """Return how far the motions of neighbours are apart at most, over the size of the model."""
-    first, *others = (np.concatenate([piece.states.r for piece in history.records]) for history in histories)
-    return max(float(np.abs(other - first).max()) for other in others) / length
+def _apart(histories: Sequence[History], length: float, step: float) -> _Apart:
+    """Return how far motions of neighbours are apart at most, over the size of the model; ``step``: a usual one [s]."""
+    found = []
+    for field in ("r", "twist"):
+        each = (
+            np.concatenate([getattr(one.states, field) for one in history.records]) for history in histories
+        )
+        first, *others = each
+        changes = [np.abs(other - first).reshape(-1, first.shape[-1] // 3, 3) for other in others]
+        found.append(np.max([change.max(axis=(0, 2)) for change in changes], axis=0))
+    places, speeds = float(found[0][0]) / length, found[1] * step / ROUNDED
+    speeds[0] /= length
+    return _Apart(places, float(min((one for one in speeds if one > STILL), default=0.0)))
 
 
 def require_known(settings: SimulateSettings, run: Run, keys: Sequence[str]) -> None:

@@ -33,6 +33,8 @@ STEP = 0.02
 RISES, WIDTHS = 1.2, 1.5
 """Ratio of the damping ratios at the ends of a decay, and their difference over both intervals, from which on the
 ratio depends on the amplitude."""
+MOVES = 0.01
+"""Part by which the frequencies at the ends of a decay must differ for it not to be one number."""
 MISSES = 0.1
 """Part of a damping ratio that a law may miss and not be excluded: the branches of a flat loss ripple by half of it."""
 BOTH_SIDES = 0.95
@@ -85,6 +87,19 @@ class Swing:
         if apart <= WIDTHS * (width[0] + width[-1]) or high <= RISES * low:
             return None
         return float(amplitude[0]), float(ratio[0]), float(amplitude[-1]), float(ratio[-1])
+
+    @property
+    def frequency_ends(self) -> tuple[float, float, float, float] | None:
+        """Largest amplitude with the frequency there, Hz, and least; None unless it is another there."""
+        amplitude, hertz, width = (
+            self.decay.data[f"piece_{name}"].values for name in ("amplitude", "frequency", "frequency_width")
+        )
+        if len(hertz) < 2:
+            return None
+        apart = abs(hertz[-1] - hertz[0])
+        if apart <= max(WIDTHS * (width[0] + width[-1]), MOVES * hertz[0]):
+            return None
+        return float(amplitude[0]), float(hertz[0]), float(amplitude[-1]), float(hertz[-1])
 
     def _number(self, name: str) -> float:
         return float(self.decay.data[name].values[0])
@@ -276,8 +291,17 @@ def _told_apart(one: Foretold) -> str:
 
 
 def amplitude_sentences(fitted: Mapping[str, Swing], left_out: Mapping[str, Swing], best: str) -> list[str]:
-    """Return in words whose damping ratios depend on the amplitude, which no law here has."""
+    """Return in words whose damping ratios and frequencies depend on the amplitude, which no law here has."""
     out = []
+    for name, swing in left_out.items():
+        if (ends := swing.frequency_ends) is not None:
+            large, at_large, small, at_small = ends
+            unit = swing.record.unit
+            out.append(
+                f"The frequency of {name} goes from {at_large:.4g} Hz at an amplitude of {large:.2g} {unit} to "
+                f"{at_small:.4g} Hz at {small:.2g} {unit} ({100.0 * (at_small / at_large - 1.0):+.2g} %): as one "
+                "number it is known no better than that, nor is what was foretold beside it."
+            )
     steady = [name for name, swing in fitted.items() if swing.ends is None]
     for name, swing in {**fitted, **left_out}.items():
         if (ends := swing.ends) is None:

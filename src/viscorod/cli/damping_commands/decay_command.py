@@ -11,6 +11,7 @@ from viscorod.cli.completion import words
 from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option
 from viscorod.cli.terminal import readable_errors, told
+from viscorod.records.read_off import QUANTITIES
 
 __all__ = ["column", "decay"]
 
@@ -24,8 +25,8 @@ def decay(
     quantity: Annotated[
         str,
         typer.Option(
-            help="position, displacement, velocity, acceleration, strain or force.",
-            autocompletion=words("position", "displacement", "velocity", "acceleration", "strain", "force"),
+            help=f"{', '.join(QUANTITIES)}.",
+            autocompletion=words(*QUANTITIES),
         ),
     ] = "displacement",
     unit: Annotated[

@@ -38,7 +38,14 @@ class KnownTypes:
     def __init__(self, kernel: Code) -> None:
         self._kernel = kernel
         self._compiled: Any = None
-        self.call: Code = kernel if PURE_PYTHON else self._first_call
+        if PURE_PYTHON:
+            self.call: Code = kernel
+
+    def __getattr__(self, name: str) -> Code:
+        """Return the first call, which is not kept: an object that refers to itself would wait for a search."""
+        if name != "call":
+            raise AttributeError(f"{type(self).__name__!r} object has no attribute {name!r}")
+        return self._first_call
 
     def _first_call(self, *arguments: Any) -> Any:
         self.call = self.compiled(arguments).entry_point

@@ -98,9 +98,7 @@ class Shared(Generic[Bundle]):
         else:
             layout = _Layout(bundle)
             words = layout.blank.copy()
-        if not known or known[0] is not layout:  # the next bundle is like this one, as a rule
-            others = (other for other in list(known) if other is not layout)
-            known[:] = [layout, *itertools.islice(others, MOST_LAYOUTS - 1)]
+            known[:] = [layout, *known[: MOST_LAYOUTS - 1]]
         self._words, self._fields = words, layout.fields
         self.kind, self.number = layout.kind, layout.number
         self.address = int(words.ctypes.data)
@@ -121,91 +119,78 @@ class Shared(Generic[Bundle]):
 class _Plan:
     """What a bundle has in it, so that others can be compared with it, and taken apart.
 
-    All that stands in bundles within it is looked up by one call; only rows without names are looked at by themselves.
+    Its items stand in one list: those of the bundle, then those of each bundle in that list, in its order.
     """
 
-    def __init__(self, bundle: tuple[Any, ...], arrays: Iterator[int], numbers: Iterator[range]) -> None:
-        """Look at a bundle; arrays, numbers: where those in it stand among the words, in order."""
-        self._get, values = _looking_up(bundle)
-        self._types = tuple(map(type, values))
-        self._is_array = [isinstance(item, np.ndarray) for item in values]
-        self._rows: list[tuple[int, _Plan]] = []
-        self._switches: list[tuple[int, bool]] = []
-        self._shared: list[tuple[int, int]] = []
-        self._numbers: list[int] = []
-        self._integers: list[int] = []
-        self.arrays_at: list[int] = []
-        self.numbers_at: list[int] = []
-        integers_at: list[int] = []
-        for k, item in enumerate(values):
-            if isinstance(item, np.ndarray):
-                self.arrays_at.append(next(arrays))
-            elif _only_integers(item):
-                self._integers.append(k)
-                integers_at += (at for _ in item for at in next(numbers))
-            elif isinstance(item, tuple):
-                if not (_is_named(bundle) and _is_named(item)):
-                    self._rows.append((k, _Plan(item, arrays, numbers)))
-            elif isinstance(item, bool | np.bool_):
-                self._switches.append((k, bool(item)))
-            else:
-                self._numbers.append(k)
-                self.numbers_at += next(numbers)
-                if isinstance(item, Shared):
-                    self._shared.append((k, item.number))
-        self.numbers_at += integers_at
-        for _, row in self._rows:  # in the order of take_apart
-            self.arrays_at += row.arrays_at
-            self.numbers_at += row.numbers_at
-
-    def take_apart(self, bundle: tuple[Any, ...], arrays: list[np.ndarray], numbers: list[int]) -> bool:
-        """Append the arrays and numbers of a bundle, first its own; return whether it is like the first one."""
-        try:
-            values = self._get(bundle)
-        except AttributeError:  # there is something else in place of a bundle
-            return False
-        if tuple(map(type, values)) != self._types:
-            return False
-        arrays += itertools.compress(values, self._is_array)
-        for k in self._numbers:
-            numbers += _number(values[k])
-        for k in self._integers:
-            if not _only_integers(values[k]):
-                return False
-            numbers += values[k]
-        for k, row in self._rows:
-            if not row.take_apart(values[k], arrays, numbers):
-                return False
-        return all(bool(values[k]) is value for k, value in self._switches) and all(
-            values[k].number == number for k, number in self._shared
+    def __init__(self, bundle: tuple[Any, ...], words: _Words) -> None:
+        """Look at a bundle, which ``words`` have been made of."""
+        flat: list[Any] = list(bundle)
+        first: dict[int, int] = {}
+        for k, item in enumerate(flat):  # which grows
+            if isinstance(item, tuple):
+                first[k] = len(flat)
+                flat += item
+        self._types = list(map(type, flat))
+        self._bundles = [(k, type(flat[k]), len(flat[k])) for k in first]
+        places = list(_in_order(flat, range(len(bundle)), first))
+        arrays = [k for k in places if isinstance(flat[k], np.ndarray)]
+        switches = [k for k in places if isinstance(flat[k], bool | np.bool_)]
+        others = [k for k in places if not isinstance(flat[k], np.ndarray | bool | np.bool_)]
+        at = dict(zip(others, words.numbers, strict=True))
+        whole, real = ([k for k in others if type(flat[k]) is kind] for kind in (int, float))
+        rest = [k for k in others if type(flat[k]) not in (int, float)]
+        self._arrays, self._switches, self._whole, self._real, self._rest = (
+            _items(numbers) for numbers in (arrays, switches, whole, real, rest)
         )
+        self._shared = _items([k for k in rest if isinstance(flat[k], Shared)])
+        self._switched = self._switches(flat)
+        self._numbers = [shared.number for shared in self._shared(flat)]
+        self.arrays_at = np.array(words.arrays, dtype=np.int64)
+        self._at = [
+            np.array([word for k in numbers for word in at[k]], dtype=np.int64)
+            for numbers in (whole, real, rest)
+        ]
+
+    def take_apart(self, bundle: tuple[Any, ...]) -> list[Any] | None:
+        """Return all items of a bundle; None if it is not like the first one."""
+        flat: list[Any] = list(bundle)
+        for k, kind, length in self._bundles:
+            item = flat[k]
+            if type(item) is not kind or len(item) != length:
+                return None
+            flat += item
+        if list(map(type, flat)) != self._types or self._switches(flat) != self._switched:
+            return None
+        if [shared.number for shared in self._shared(flat)] != self._numbers:
+            return None
+        return flat
+
+    def arrays(self, flat: list[Any]) -> tuple[np.ndarray, ...]:
+        """Return the arrays among the items of a bundle, in the order of ``arrays_at``."""
+        return self._arrays(flat)
+
+    def write_numbers(self, flat: list[Any], words: Integers) -> None:
+        """Write the numbers among the items of a bundle to its words."""
+        whole, real, rest = self._at
+        words[whole] = self._whole(flat)
+        words.view(np.float64)[real] = self._real(flat)
+        words[rest] = [word for value in self._rest(flat) for word in _number(value)]
 
 
-def _is_named(bundle: tuple[Any, ...]) -> bool:
-    return hasattr(bundle, "_fields")
+def _in_order(flat: list[Any], places: range, first: dict[int, int]) -> Iterator[int]:
+    """Return the places of all items but bundles, as compiled code has them; ``first``: of the items of each bundle."""
+    for k in places:
+        if k in first:
+            yield from _in_order(flat, range(first[k], first[k] + len(flat[k])), first)
+        else:
+            yield k
 
 
-def _only_integers(item: Any) -> bool:
-    """Return whether an item is a bundle of integers, which is not looked into one by one."""
-    return isinstance(item, tuple) and set(map(type, item)) == {int}
-
-
-def _looking_up(bundle: tuple[Any, ...]) -> tuple[Callable[[Any], tuple[Any, ...]], tuple[Any, ...]]:
-    """Return what looks up all that a bundle has in it, bundles before what is in them, and what it finds there."""
-    paths: list[str] = []
-
-    def look_into(part: Any, before: str) -> None:
-        for name, item in zip(part._fields, part, strict=True):
-            paths.append(before + name)
-            if isinstance(item, tuple) and _is_named(item) and not _only_integers(item):
-                look_into(item, f"{before}{name}.")
-
-    if not _is_named(bundle):
-        return tuple, bundle
-    look_into(bundle, "")
-    several: Any = operator.attrgetter(*paths)
-    get = several if len(paths) > 1 else lambda given: (several(given),)
-    return get, get(bundle)
+def _items(places: list[int]) -> Callable[[list[Any]], tuple[Any, ...]]:
+    """Return what takes the items at some places from a list."""
+    if len(places) > 1:
+        return operator.itemgetter(*places)
+    return lambda flat: tuple(flat[k] for k in places)
 
 
 class _Layout:
@@ -225,26 +210,21 @@ class _Layout:
         words.add(bundle)
         self.blank = np.array(words.found, dtype=np.int64)
         self.fields = words.fields
-        self._plan = _Plan(bundle, iter(words.arrays), iter(words.numbers))
-        self._arrays, self._numbers = (
-            np.array(at, dtype=np.int64) for at in (self._plan.arrays_at, self._plan.numbers_at)
-        )
-        arrays: list[np.ndarray] = []
-        self._plan.take_apart(bundle, arrays, [])
-        rows = [described(array) for array in arrays]
+        self._plan = plan = _Plan(bundle, words)
+        rows = [described(array) for array in plan.arrays(plan.take_apart(bundle) or [])]
         self._descriptions = np.array(rows, dtype=np.int64).reshape(-1, 3)
 
     def words_of(self, bundle: tuple[Any, ...]) -> Integers | None:
         """Return the words of a bundle; None if it is of another kind."""
-        arrays: list[np.ndarray] = []
-        numbers: list[int] = []
-        if not READABLE or not self._plan.take_apart(bundle, arrays, numbers):
+        plan = self._plan
+        if not READABLE or (flat := plan.take_apart(bundle)) is None:
             return None
         words = self.blank.copy()
+        arrays = plan.arrays(flat)
         objects = np.fromiter(map(id, arrays), dtype=np.int64, count=len(arrays))
-        if not lay_out(objects, self._descriptions, self._arrays, words):
+        if not lay_out(objects, self._descriptions, plan.arrays_at, words):
             return None
-        words[self._numbers] = numbers
+        plan.write_numbers(flat, words)
         return words
 
 

@@ -68,7 +68,9 @@ class SectionLaws(NamedTuple):
 
     @classmethod
     def joined(cls, parts: list[SectionLaws]) -> SectionLaws:
-        """Return the laws of all sections of several sets."""
+        """Return the laws of all sections of several sets; those of one are the same."""
+        if len(parts) == 1:
+            return parts[0]
         laws = [(int(a), p) for own in parts for a, p in zip(own.address, own.parameters, strict=True)]
         return cls.of(laws, 1.0 - np.concatenate([own.free for own in parts]))
 

@@ -93,7 +93,7 @@ class Force(_AtPlace):
 
     @property
     def wrench(self) -> Floats:
-        """The force, and no moment."""
+        """The force, N, and no moment (6,); global components, along d1, d2, d3 if it follows."""
         return np.array([*self.value, 0.0, 0.0, 0.0])
 
 
@@ -107,7 +107,7 @@ class Moment(_AtPlace):
 
     @property
     def wrench(self) -> Floats:
-        """The moment, and no force."""
+        """No force, and the moment, N m (6,); global components, along d1, d2, d3 if it follows."""
         return np.array([0.0, 0.0, 0.0, *self.value])
 
 

@@ -40,17 +40,20 @@ def _nothing(r: Floats, R: Floats, twist: Floats) -> float:
 class PythonLaw:
     """A law of a load that sees motion, as Python functions of position (3,), rotation matrix (3, 3) and twist (6,).
 
-    The twist has velocity (m/s) and angular velocity (rad/s) along d1, d2, d3. Derivatives are taken by differences.
+    The twist has velocity (m/s) and angular velocity (rad/s) along d1, d2, d3.
 
     Attributes:
         wrench: force and moment (6,) along d1, d2, d3; per length (N/m, N) of what lies along a rod.
         dissipated: power that it turns into heat outside of the model, likewise; none unless given.
         at_rest: whether it acts on what is at rest.
+        by_pose: derivatives of a wrench that does not depend on the twist by an increment of the pose along d1, d2, d3
+            (displacement, rotation), (6, 6); without it all derivatives are taken by differences.
     """
 
     wrench: Callable[[Floats, Floats, Floats], Floats]
     dissipated: Callable[[Floats, Floats, Floats], float] = _nothing
     at_rest: bool = True
+    by_pose: Callable[[Floats, Floats, Floats], Floats] | None = None
 
 
 MotionLaw: TypeAlias = CompiledLaw | PythonLaw

@@ -1,7 +1,7 @@
 """Loads that know where they act: forces towards a point of space, and forces on a line of space.
 
 Ropes over pulleys, pressure towards a centre and jets on plates (Reut) keep neither their direction nor their place in
-the section: they are loads that see motion.
+the section: they are loads that see motion, with the derivatives that their formulas have.
 """
 
 from __future__ import annotations
@@ -27,40 +27,62 @@ if TYPE_CHECKING:
 
 __all__ = ["DistributedForceTowards", "ForceOnLine", "ForceTowards"]
 
-InSpace: TypeAlias = Callable[[Floats], Floats]
-"""Force and moment (6,) at a position (3,), global axes."""
+InSpace: TypeAlias = Callable[[Floats], tuple[Floats, Floats]]
+"""Force and moment (6,) at a position (3,), global axes, and their derivatives by the position (6, 3)."""
 
-APART = 1e-3
-"""Least distance of a place from the point that a force points to, m, and as a part of their distance from the origin.
-
-Derivatives of loads that see motion are differences over a millionth of a metre, or of that distance.
-"""
+APART = 1e-9
+"""Least distance of a place from the point that a force points to, m, and as a part of that from the origin."""
 
 
 def _law(in_space: InSpace) -> PythonLaw:
-    """Return a wrench of space as a law, which takes it along the axes of its place."""
+    """Return a wrench of space as a law, which takes it along the axes of its place.
+
+    An increment (u, theta) of the pose moves the place by R u and turns R by theta, so that f = R^T F changes by
+    ``R^T F' R u + f x theta``; so do moments.
+    """
 
     def wrench(r: Floats, R: Floats, _twist: Floats) -> Floats:
-        return (in_space(r).reshape(2, 3) @ R).ravel()
+        return (in_space(r)[0].reshape(2, 3) @ R).ravel()
 
-    return PythonLaw(wrench)
+    def by_pose(r: Floats, R: Floats, _twist: Floats) -> Floats:
+        values, slopes = in_space(r)
+        found = np.zeros((6, 6))
+        for rows in (slice(0, 3), slice(3, 6)):
+            found[rows, :3] = R.T @ slopes[rows] @ R
+            found[rows, 3:] = _cross(values[rows] @ R)
+        return found
+
+    return PythonLaw(wrench, by_pose=by_pose)
+
+
+def _cross(a: Floats) -> Floats:
+    """Return the matrix of ``a x``."""
+    return np.array([[0.0, -a[2], a[1]], [a[2], 0.0, -a[0]], [-a[1], a[0], 0.0]])
 
 
 def _towards(point: Floats, size: float) -> InSpace:
     """Return a force of a size towards a point; none at the point itself."""
 
-    def in_space(r: Floats) -> Floats:
-        wrench, distance = np.zeros(6), float(np.linalg.norm(point - r))
+    def in_space(r: Floats) -> tuple[Floats, Floats]:
+        values, slopes = np.zeros(6), np.zeros((6, 3))
+        distance = float(np.linalg.norm(point - r))
         if distance > 0.0:
-            wrench[:3] = size / distance * (point - r)
-        return wrench
+            along = (point - r) / distance
+            values[:3] = size * along
+            slopes[:3] = size / distance * (np.outer(along, along) - np.eye(3))
+        return values, slopes
 
     return in_space
 
 
 def _on_line(point: Floats, force: Floats) -> InSpace:
     """Return a force on the line through a point, taken to the place by a rigid arm: moment (point - r) x force."""
-    return lambda r: np.concatenate([force, np.cross(point - r, force)])
+    slopes = np.concatenate([np.zeros((3, 3)), _cross(force)])
+
+    def in_space(r: Floats) -> tuple[Floats, Floats]:
+        return np.concatenate([force, np.cross(point - r, force)]), slopes
+
+    return in_space
 
 
 def _directed(point: Sequence[float], positions: Floats) -> Iterator[RefusedError]:
@@ -94,7 +116,7 @@ class _AtPlace(AnyLoad):
     def arrows(self, model: ModelDescription, t: float) -> Arrows:
         del t
         feet = (model.place(self.at),)
-        values = self._in_space()(position_of(model, feet[0])[0])
+        values = self._in_space()(position_of(model, feet[0])[0])[0]
         return Arrows(f"{self.word} at {self.at}", "N", feet, values[None, :3])
 
 
@@ -184,6 +206,6 @@ class DistributedForceTowards(AlongRod):
         """Return what acts on the reference shape."""
         del t
         in_space = _towards(np.array(self.point), self.size)
-        values = np.array([in_space(r)[:3] for r in self._positions(model)])
+        values = np.array([in_space(r)[0][:3] for r in self._positions(model)])
         feet = tuple(Place(self.rod, s) for s in self.feet(model))
         return Arrows(f"{self.word} along {self.rod}", "N/m", feet, values)

@@ -189,7 +189,7 @@ class TimeTable(TimeFunction):
 
     @cached_property
     def knots(self) -> Floats:
-        """The times, each once, increasing, s."""
+        """The times (n,), each once, increasing, s."""
         return np.unique(self._points[0])
 
     @property

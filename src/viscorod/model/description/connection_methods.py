@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any, TypedDict, Unpack
 
-from viscorod.checks import known_arguments
+from viscorod.argument_names import known_arguments
 from viscorod.given_as import Amount
 from viscorod.model.connections.axis_joint import Cylindrical, Planar, Prismatic, Revolute
 from viscorod.model.connections.joint import Ball, Rigid, Universal, joint

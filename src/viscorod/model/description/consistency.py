@@ -52,7 +52,8 @@ def _no_rod(model: ModelDescription) -> Fault:
         "",
         "the model has rigid bodies only, and they are computed as parts of models with rods",
         f'make one of the bars a rod: {how}; constraints = ("kirchhoff", "bend_1", "bend_2", "twist") keeps it rigid, '
-        "and a StiffnessSection gives it mass and moments of inertia per length",
+        "and a StiffnessSection gives it mass and moments of inertia per length; a body alone is attached to such a "
+        "rod of a thousandth of its mass",
     )
 
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
-from viscorod.checks import known_arguments
+from viscorod.argument_names import known_arguments
 from viscorod.given_as import Amount
 from viscorod.model.actions.load import (
     AnyLoad,

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from viscorod.checks import known_arguments
+from viscorod.argument_names import known_arguments
 from viscorod.model.connections.support import Clamp, Guide, Pin, Roller, Support
 from viscorod.model.connections.support_base import AnySupport
 from viscorod.model.connections.velocity_support import VelocitySupport

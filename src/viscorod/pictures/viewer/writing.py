@@ -88,8 +88,11 @@ def view(
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium | Modes | Steady | Buckling | StatelessResult):
-        what = "sweep" if type(result).__name__ == "Sweep" else "result of another kind"
-        instead = "give one of its members" if what == "sweep" else "give a result"
+        what, instead = "result of another kind", "give a result"
+        if type(result).__name__ == "Sweep":
+            what, instead = "sweep", "give one of its members"
+        elif isinstance(result, list | tuple | dict):
+            what, instead = type(result).__name__, "give one motion, and the others as beside = [...]"
         raise InputError(f"a {what} has no page; {instead}")
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")

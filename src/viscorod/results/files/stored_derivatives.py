@@ -20,8 +20,6 @@ from viscorod.results.files.storage import read
 if TYPE_CHECKING:
     import xarray as xr
 
-    from viscorod.results.state_arrays import Stored
-
 __all__ = ["groups_of", "read_derivatives", "with_derivatives"]
 
 NAMES = "derivatives"
@@ -30,12 +28,11 @@ RATE = "d_"
 """Begins the name of a derivative, behind which stands that of a variable or coordinate."""
 
 
-def with_derivatives(result: Any) -> Stored:
-    """Return the content of a result as it is stored: its derivatives are named in it."""
-    if not result.derivatives:
-        content: Stored = result.stored
-        return content
+def with_derivatives(result: Any) -> xr.Dataset:
+    """Return the data set of a result as it is stored: its derivatives are named in it."""
     data: xr.Dataset = result.data
+    if not result.derivatives:
+        return data
     return data.assign_attrs({NAMES: json.dumps(list(result.derivatives))})
 
 

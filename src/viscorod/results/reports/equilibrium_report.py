@@ -32,6 +32,7 @@ __all__ = ["equilibrium_report"]
 
 def equilibrium_report(equilibrium: Equilibrium) -> str:
     """Return the report of an equilibrium."""
+    judged = equilibrium.validity()
     level = load_level(equilibrium.load_factor[-1])
     return page(
         [
@@ -43,9 +44,9 @@ def equilibrium_report(equilibrium: Equilibrium) -> str:
             _joints(equilibrium),
             _stability(equilibrium),
             stress(equilibrium),
-            validity(equilibrium),
+            validity(equilibrium, judged),
             effort(equilibrium),
-            warnings(equilibrium),
+            warnings(equilibrium, judged),
         ]
     )
 

@@ -24,6 +24,7 @@ _MOST_EVENTS = 20
 
 def run_report(run: Run) -> str:
     """Return the report of a run."""
+    judged = run.validity()
     return page(
         [
             heading(run, _summary(run)),
@@ -33,11 +34,11 @@ def run_report(run: Run) -> str:
             str(run.energy),
             _events(run),
             stress(run),
-            validity(run),
+            validity(run, judged),
             _heating(run),
             drift(run),
             effort(run),
-            warnings(run),
+            warnings(run, judged),
         ]
     )
 

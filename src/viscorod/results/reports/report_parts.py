@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from viscorod.results.result_places import ResultPlace
     from viscorod.results.run import Run
     from viscorod.results.steady_result import Steady
+    from viscorod.results.validity import Validity
 
 __all__ = [
     "drift",
@@ -95,10 +96,9 @@ def reactions(equilibrium: Equilibrium | Steady) -> str:
     )
 
 
-def validity(result: Result) -> str:
+def validity(result: Result, judged: Validity) -> str:
     """Tell the conditions of a rod model, each with its number, and whether the motion kept to the bands of losses."""
-    found = result.validity()
-    lines = [str(found)] if found.conditions else []
+    lines = [str(judged)] if judged.conditions else []
     return "\n".join([*lines, *_band_notes(result)])
 
 
@@ -156,10 +156,11 @@ def load_level(factor: float, digits: int = 6) -> str:
     return f"{factor:.{digits}g} times the loads"
 
 
-def warnings(result: Result) -> str:
-    """Return what the result says against itself."""
+def warnings(result: Result, judged: Validity) -> str:
+    """Return what the result says against itself, beside the conditions of a rod model that it does not keep."""
     found = warnings_of(result)
-    return listed("Warnings", found) if found else "No warnings"
+    none = "No warnings" if judged.valid else "No warnings beside what the rod model does not keep (NO above)"
+    return listed("Warnings", found) if found else none
 
 
 def vector(values: Floats, scale: float) -> list[str]:

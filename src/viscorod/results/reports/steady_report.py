@@ -28,6 +28,7 @@ __all__ = ["steady_report"]
 
 def steady_report(steady: Steady) -> str:
     """Return the report of a steady rotation."""
+    judged = steady.validity()
     rate = float(np.linalg.norm(steady.spin))
     damping = "" if steady.damping == "full" else f", {steady.damping} damping"
     return page(
@@ -40,9 +41,9 @@ def steady_report(steady: Steady) -> str:
             reactions(steady),
             _small_motions(steady),
             stress(steady),
-            validity(steady),
+            validity(steady, judged),
             effort(steady),
-            warnings(steady),
+            warnings(steady, judged),
         ]
     )
 

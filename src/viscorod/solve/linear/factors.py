@@ -59,16 +59,16 @@ class Factors(NamedTuple):
     def of(cls, plan: Plan, kind: type, address: int) -> Factors:
         """Allocate for the type ``kind`` (float, complex)."""
         groups, members, _ = plan.fronts
-        remaining = 6 * len(plan.rows)
+        remaining, of_fronts, of_groups, largest = plan.sizes
         size = remaining * (3 * plan.width + 1) if plan.banded else 36 * len(plan.ordered.rows)
-        fronts: Floats = np.zeros(2 + int(np.sum(36 * groups[:, 1] ** 2)), dtype=kind)
+        fronts: Floats = np.zeros(2 + of_fronts, dtype=kind)
         fronts[:2] = 1.0, -1.0
-        integers: Any = np.zeros(HEAD + remaining + 6 * int(groups[:, 0].sum()), dtype=np.int32)
+        integers: Any = np.zeros(HEAD + remaining + of_groups, dtype=np.int32)
         integers[:4] = LETTERS
         return cls(
             values=np.zeros(size, dtype=kind),
             fronts=fronts,
-            vector=np.zeros(remaining + 6 * int(groups[:, 1].max(initial=0)), dtype=kind),
+            vector=np.zeros(remaining + largest, dtype=kind),
             integers=integers,
             rows=plan.rows,
             groups=groups,

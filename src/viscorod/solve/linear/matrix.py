@@ -38,8 +38,10 @@ class Matrix:
         unit = unit_of(length)
         self.pattern = pattern
         self.blocks: Floats = np.zeros((len(pattern.rows), 6, 6))
-        self.scales: Floats = np.tile([unit, unit, unit, 1.0, 1.0, 1.0], pattern.size)
+        self.scales: Floats = np.ones(6 * pattern.size)
         self.scaled = unit != 1.0
+        if self.scaled:
+            self.scales.reshape(-1, 6)[:, :3] = unit
         self._plan = plan
 
     @cached_property

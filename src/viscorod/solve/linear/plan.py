@@ -129,6 +129,13 @@ class Plan:
         begins = 2 + np.concatenate([[0], np.cumsum(36 * sizes[:, 1] ** 2)])[:-1]
         return np.column_stack([sizes, begins]), np.concatenate(members), np.concatenate(slots)
 
+    @cached_property
+    def sizes(self) -> tuple[int, int, int, int]:
+        """Numbers of unknowns that remain, of values of all fronts, of unknowns in groups and in the largest front."""
+        groups = self.fronts[0]
+        values, most = np.sum(36 * groups[:, 1] ** 2), groups[:, 1].max(initial=0)
+        return 6 * len(self.rows), int(values), 6 * int(groups[:, 0].sum()), 6 * int(most)
+
     def _place(self) -> Integers:
         place = np.full(self.pattern.size, -1)
         place[self.rows] = np.arange(len(self.rows))

@@ -31,12 +31,12 @@ class StackedSolvers:
     def _take(self, plan: Plan) -> None:
         self.plan = plan
         self._solvers = [DirectSolver(plan, complex) for _ in range(self._count)]
-        one, count = Factors.of(plan, complex, 0), (self._count, 1)
+        one, count = Factors.of(plan, complex, 0), self._count
         self.factors = one._replace(
-            values=np.tile(one.values, count),
-            fronts=np.tile(one.fronts, count),
-            integers=np.tile(one.integers, count),
-            rest=np.tile(one.rest, count),
+            values=np.repeat(one.values[None], count, axis=0),
+            fronts=np.repeat(one.fronts[None], count, axis=0),
+            integers=np.repeat(one.integers[None], count, axis=0),
+            rest=np.repeat(one.rest[None], count, axis=0),
         )
         values, fronts, _, integers, *_, rest = self.factors
         for m, solver in enumerate(self._solvers):

@@ -23,6 +23,8 @@ FEW = 10_000
 """Numbers of a matrix that is small."""
 BESIDE = 1e-6
 """Distance from a pole, as a part of it, at which its residue is taken."""
+COINCIDE = 1e-4
+"""Singular value of the shares of poles in each other below which they are one pole."""
 
 
 @dataclass
@@ -72,15 +74,17 @@ class HarmonicResponse:
     def residues(self, poles: np.ndarray) -> np.ndarray:
         """Return ``R (poles, outputs, inputs)`` of the parts ``R/(s - pole)`` of the response [1/s times its unit].
 
-        They are taken next to each pole, at a part of 1e-6 of it, where all else is small beside them.
+        They are taken next to each pole, at a part of 1e-6 of it, where all but poles as near is small beside it.
+        What those have in it is taken off; of poles that coincide, as of a round rod, each has its share.
         """
-        found = []
-        for pole in poles:
-            step = BESIDE * abs(pole)
-            found.append(step * self._at(complex(pole) + step))
-        return np.array(found, dtype=complex).reshape(
-            len(poles), len(self.readings.outputs), len(self.inputs.signals)
-        )
+        steps = BESIDE * np.abs(poles)
+        beside = [step * self._at(complex(pole) + step) for pole, step in zip(poles, steps, strict=True)]
+        shape = (len(poles), len(self.readings.outputs), len(self.inputs.signals))
+        if not beside:
+            return np.zeros(shape, dtype=complex)
+        mixed = steps[:, None] / (steps[:, None] + poles[:, None] - poles[None, :])
+        found, *_ = np.linalg.lstsq(mixed, np.array(beside).reshape(len(poles), -1), rcond=COINCIDE)
+        return np.asarray(found, dtype=complex).reshape(shape)
 
     def silent(self, hertz: Floats) -> np.ndarray:
         """Return which outputs do not answer which inputs at these frequencies [Hz] ``(outputs, inputs)``.

@@ -168,7 +168,7 @@ class ExternalLoads:
     def __init__(self, problem: Problem) -> None:
         self.problem = problem
         self.offset = any(load.arms.any() for load in problem.nodal_loads)
-        self.laws = MotionLaws([load.law for load in problem.motion_loads])
+        self.laws = MotionLaws([load.law for load in problem.motion_loads], problem.length)
         self.motion = self._motion_loads()
         self.stage: tuple[Floats, Floats] | None = None
         self._factored = [(load.load, load.factor, True) for load in problem.nodal_loads]

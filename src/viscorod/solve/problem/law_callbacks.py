@@ -16,6 +16,8 @@ from viscorod.typing import Floats
 
 STEP = 1e-6
 """Part of a value (or of 1) over which slopes are taken."""
+FAR = 1e-3
+"""Part of the distance from the origin that counts as a length: positions are rounded by it."""
 
 NUMBERS = 3
 """Exchanged in a call: number of the law, value and rate; then force and dissipated power."""
@@ -85,12 +87,15 @@ def _slope(law: Law, at: float) -> float:
 class MotionLaws:
     """Laws of loads that see motion, one row of numbers each; Python functions answer through one callback.
 
+    Args:
+        laws: of the loads; length: of the model [m], of which differences by positions are taken over a part.
+
     Attributes:
         rows: ``(laws, ROW)``, see ``motion_loads.MotionLoads``.
     """
 
-    def __init__(self, laws: Sequence[MotionLaw]) -> None:
-        self.laws = list(laws)
+    def __init__(self, laws: Sequence[MotionLaw], length: float) -> None:
+        self.laws, self.length = list(laws), length
         python = any(not isinstance(law, CompiledLaw) for law in laws)
         self.callback = Callback(self._answer) if python else _no_callback()
         self.rows = np.zeros((len(self.laws), ROW))
@@ -111,6 +116,9 @@ class MotionLaws:
         numbers[:6] = law.wrench(r, R, twist)
         if not wanted:
             return
+        if law.by_pose is not None:
+            numbers[6:42] = law.by_pose(r, R, twist).ravel()
+            return
         for column, unit in enumerate(np.eye(6)):
             for first, sides in (
                 (6, self._moved(law, r, R, twist, unit)),
@@ -118,10 +126,9 @@ class MotionLaws:
             ):
                 numbers[first + column : first + 36 : 6] = sides
 
-    @staticmethod
-    def _moved(law: PythonLaw, r: Floats, R: Floats, twist: Floats, unit: Floats) -> Floats:
+    def _moved(self, law: PythonLaw, r: Floats, R: Floats, twist: Floats, unit: Floats) -> Floats:
         """Return the derivative of a wrench by an increment of the pose, by central differences."""
-        h = STEP * max(1.0, float(np.abs(r).max()))
+        h = STEP * max(self.length, FAR * float(np.abs(r).max())) if unit[:3].any() else STEP
         sides = []
         for way in (h, -h):
             turned = R @ scipy.spatial.transform.Rotation.from_rotvec(way * unit[3:]).as_matrix()

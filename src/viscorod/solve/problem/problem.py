@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any
@@ -21,8 +21,6 @@ from viscorod.solve.linear.pattern import Pattern
 from viscorod.solve.linear.plan import Plan
 from viscorod.solve.problem.joint_set import JointSet
 from viscorod.typing import Floats, Integers
-
-_OFF_DIAGONAL = ~np.eye(6, dtype=bool)
 
 
 @dataclass(frozen=True)
@@ -65,7 +63,12 @@ class ElementSet:
         if self.laws.present:
             return True
         matrices = (self.stiffness, self.damping, self.branches.reshape(-1, 6, 6))
-        return any(bool(matrix[:, _OFF_DIAGONAL].any()) for matrix in matrices)
+        return any(map(_has_couplings, matrices))
+
+
+def _has_couplings(matrices: Floats) -> bool:
+    """Return whether any of some matrices ``(k, 6, 6)`` has an entry beside its diagonal."""
+    return bool(np.count_nonzero(matrices) > np.count_nonzero(np.einsum("kii->ki", matrices)))
 
 
 @dataclass(frozen=True)
@@ -255,8 +258,13 @@ class Problem:
     @cached_property
     def plan(self) -> Plan:
         """The plan by which all matrices are factorised."""
-        return plan_of(self.pattern, self.interiors)
+        return self.plan_without(())
 
-    def plan_without(self, nodes: Integers) -> Plan:
+    def plan_without(self, nodes: Iterable[int]) -> Plan:
         """Return the plan of matrices in which these nodes do not move."""
-        return plan_of(self.pattern, self.interiors, tuple(nodes.tolist()))
+        without = tuple(map(int, nodes))
+        name = f"plan without {without}"
+        found: Plan | None = self.of_layout.get(name)
+        if found is None:
+            found = self.of_layout[name] = plan_of(self.pattern, self.interiors, without)
+        return found

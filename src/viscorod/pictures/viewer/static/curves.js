@@ -13,6 +13,7 @@ viscorod.table = function (place, title, head, rows) {
   for (const cells of rows) {
     const row = body.insertRow();
     for (const cell of cells) row.insertCell().textContent = typeof cell === "number" ? viscorod.text(cell, 6) : cell;
+    row.cells[0].style.whiteSpace = row.cells[0].textContent.length > 12 ? "" : "nowrap"; // names such as bend_1 1
   }
   return body;
 };

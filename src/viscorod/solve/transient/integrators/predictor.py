@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -38,9 +39,7 @@ class Predictor:
         self.body, self.stages, self.tableau = body, stages, tableau
         s = len(tableau.nodes)
         self._several = s > 1
-        through = np.poly(tableau.nodes)
-        # coefficients of the powers 1 to s + 1 of the polynomial with the rate 1 at the start and 0 at the stages
-        self.gap = np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
+        self.gap = _gap(tuple(tableau.nodes.tolist()))
         self.X = np.empty(stages.X.shape)
         self.stresses = np.empty((s + 1, *stages.stress.shape[1:]))
         self._stress = self.stresses.reshape(s + 1, -1)
@@ -100,6 +99,13 @@ class Predictor:
             stages.X,
             self._stages_stress,
         )
+
+
+@lru_cache
+def _gap(nodes: tuple[float, ...]) -> Floats:
+    """Return coefficients of the powers 1 to s + 1 of a polynomial with the rate 1 at the start and 0 at ``nodes``."""
+    through = np.poly(nodes)
+    return np.ascontiguousarray(np.polyint(through / through[-1])[-2::-1], dtype=np.float64)
 
 
 class LastStep(NamedTuple):

@@ -95,8 +95,8 @@ class SupportMotion(NamedTuple):
         return cls(
             target=np.zeros((s, m, 6)),
             rate=np.zeros((s, m, 6)),
-            r=np.tile(r0, (s, 1, 1)),
-            q=np.tile(q0, (s, 1, 1)),
+            r=np.repeat(r0[None], s, axis=0),
+            q=np.repeat(q0[None], s, axis=0),
             twist=np.zeros((s, m, 6)),
             twist_rate=np.zeros((s, m, 6)),
             end_r=r0.copy(),

@@ -1,0 +1,100 @@
+"""Arguments of public functions: whether all are there, each once, and none that the function does not have."""
+
+from __future__ import annotations
+
+import functools
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from typing import Any, ParamSpec, TypeVar
+
+from viscorod.errors import Fault, InputError
+from viscorod.wording import did_you_mean
+
+__all__ = ["known_arguments", "require_known"]
+
+P = ParamSpec("P")
+R = TypeVar("R")
+C = TypeVar("C", bound=type)
+
+
+def _called(function: Callable[..., Any]) -> str:
+    """Return what a user wrote to call it: a class is called by its own name."""
+    whole = function.__qualname__.split(".")
+    return whole[-2] if whole[-1] == "__init__" else whole[-1]
+
+
+def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed: Sequence[Any] = ()) -> None:
+    """Refuse arguments that a function does not have, that are given twice or are missing, and values beyond the last.
+
+    Raises:
+        InputError: there is one; the nearest name that it has is told.
+    """
+    code = function.__code__
+    names = code.co_varnames[: code.co_argcount + code.co_kwonlyargcount]
+    if len(listed) > code.co_argcount and not code.co_flags & inspect.CO_VARARGS:
+        first = [name for name in names[: code.co_argcount] if name not in ("self", "cls")]
+        raise InputError(
+            Fault(
+                _called(function),
+                f"{listed[code.co_argcount]!r:.60}",
+                f"at most {len(first)} can be given without their names: {', '.join(first) or 'none'}",
+                f"write the name before the others: {', '.join(f'{name} = ...' for name in names[code.co_argcount :])}"
+                if code.co_kwonlyargcount
+                else "leave the others out",
+            )
+        )
+    if given.keys() <= set(names) or code.co_flags & inspect.CO_VARKEYWORDS:
+        _require_once(function, names, given, listed)
+        return
+    wrong = next(name for name in given if name not in names)
+    known = [name for name in names if name not in ("self", "cls")]
+    advice = f"{did_you_mean(wrong, known, str)}the arguments are {', '.join(known)}"
+    raise InputError(Fault(f"{_called(function)}: {wrong}", "", "there is no argument of this name", advice))
+
+
+def _require_once(
+    function: Callable[..., Any], names: Sequence[str], given: Mapping[str, Any], listed: Sequence[Any]
+) -> None:
+    """Refuse arguments that are given twice, without their name and with it, and those that are missing."""
+    count = function.__code__.co_argcount
+    known = names[: min(len(listed), count)]
+    faults = [
+        Fault(
+            f"{_called(function)}: {name}",
+            f"{given[name]!r:.60}",
+            f"it is given twice: {listed[names.index(name)]!r:.60} stands in its place without a name",
+            "leave one of them out, or write the names of all",
+        )
+        for name in known
+        if name in given
+    ]
+    free = names[count - len(function.__defaults__ or ()) : count]
+    faults += [
+        Fault(
+            f"{_called(function)}: {name}", "", "this argument is required and missing", f"give {name} = ..."
+        )
+        for name in names
+        if not (name in known or name in given or name in free or name in (function.__kwdefaults__ or {}))
+    ]
+    if faults:
+        raise InputError(faults)
+
+
+def known_arguments(kind: C) -> C:
+    """Let all public methods of a class tell of arguments that they do not have."""
+    for name, found in list(vars(kind).items()):
+        plain = found.__func__ if isinstance(found, classmethod) else found
+        if name.startswith("_") or not inspect.isfunction(plain):
+            continue
+        told = _telling(plain)
+        setattr(kind, name, classmethod(told) if isinstance(found, classmethod) else told)
+    return kind
+
+
+def _telling(function: Callable[P, R]) -> Callable[P, R]:
+    @functools.wraps(function)
+    def call(*args: P.args, **kwargs: P.kwargs) -> R:
+        require_known(function, kwargs, args)
+        return function(*args, **kwargs)
+
+    return call
