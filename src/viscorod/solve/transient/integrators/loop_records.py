@@ -144,8 +144,8 @@ def read(run: StepLoop, h: float, first: int, size: int, to: int) -> None:
             spare = run.batch.instants.shape[0]
             inside = Between(spare, found.r, found.q, found.twist, found.fields, found.energies)
             _do(run.calls.between, (task.method.nodes[: stages.X.shape[0] - 1], *step, True, False, inside))
-            at_stages, states = (stages.r, stages.q, stages.twist), (found.r, found.q, found.twist)
-            _do(run.calls.go_through, (places, task.method, at_stages, to, spare, states))
+            through, states = (stages.r, stages.q, stages.twist), (found.r, found.q, found.twist)
+            _do(run.calls.go_through, (places, task.method, through, to, spare, states))
         if k == 1 and run.calls.correct_within != 0:
             _with(run.calls.correct_within, (run, first, size, to))
         kind = (k == 0, k == 1 or not corrected)
