@@ -41,7 +41,7 @@ class Result(RecordedStates, ABC):
         from viscorod.results.result_warnings import stored_warnings
 
         yield from super()._facts()
-        quick = "strain" not in self.data or self.data["strain"].size <= READ_AT_ONCE
+        quick = "strain" not in self.stored or self.stored["strain"].size <= READ_AT_ONCE
         if found := self.warnings if quick else stored_warnings(self.stored):
             yield counted(len(found), "warning")
 
