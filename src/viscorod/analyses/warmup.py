@@ -103,6 +103,7 @@ def warm_up(progress: Callable[[float], None] | None = None) -> WarmUp:
         vibrate(soft_model())
         for variant in _variants(assembly, relaxing):
             _simulate(*variant)
+        _simulate(soft_model(), "radau", stages=5)
         compile_step()
         compile_loop()
         await_compilation()
@@ -150,8 +151,10 @@ def _formulations(
     return [(name, damping) for (name, damping), kind in FORMULATIONS.items() if name in taken and can(kind)]
 
 
-def _simulate(model: Model, integrator: str, formulations: Iterable[tuple[str, str]] = GEOMETRIC) -> None:
-    given = {
+def _simulate(
+    model: Model, integrator: str, formulations: Iterable[tuple[str, str]] = GEOMETRIC, **more: int
+) -> None:
+    given = more | {
         "duration": SPAN,
         "time_step": 0.5 * SPAN,
         "integrator": integrator,
