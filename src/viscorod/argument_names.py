@@ -10,11 +10,14 @@ from typing import Any, ParamSpec, TypeVar
 from viscorod.errors import Fault, InputError
 from viscorod.wording import did_you_mean
 
-__all__ = ["known_arguments", "require_known"]
+__all__ = ["MISSING", "KnownArguments", "known_arguments", "require_known", "telling"]
 
 P = ParamSpec("P")
 R = TypeVar("R")
 C = TypeVar("C", bound=type)
+
+MISSING = "this argument is required and missing"
+"""Why a call is refused that lacks one."""
 
 
 def _called(function: Callable[..., Any]) -> str:
@@ -70,9 +73,7 @@ def _require_once(
     ]
     free = names[count - len(function.__defaults__ or ()) : count]
     faults += [
-        Fault(
-            f"{_called(function)}: {name}", "", "this argument is required and missing", f"give {name} = ..."
-        )
+        Fault(f"{_called(function)}: {name}", "", MISSING, f"give {name} = ...")
         for name in names
         if not (name in known or name in given or name in free or name in (function.__kwdefaults__ or {}))
     ]
@@ -81,20 +82,35 @@ def _require_once(
 
 
 def known_arguments(kind: C) -> C:
-    """Let all public methods of a class tell of arguments that they do not have."""
+    """Let a class, and all public methods that it defines, tell of arguments that are missing or not known."""
     for name, found in list(vars(kind).items()):
-        plain = found.__func__ if isinstance(found, classmethod) else found
-        if name.startswith("_") or not inspect.isfunction(plain):
+        plain = found.__func__ if isinstance(found, classmethod | staticmethod) else found
+        if (name.startswith("_") and name != "__init__") or not inspect.isfunction(plain):
             continue
-        told = _telling(plain)
-        setattr(kind, name, classmethod(told) if isinstance(found, classmethod) else told)
+        told = telling(plain)
+        setattr(kind, name, type(found)(told) if plain is not found else told)
     return kind
 
 
-def _telling(function: Callable[P, R]) -> Callable[P, R]:
+class KnownArguments:
+    """The base of classes all of whose subclasses tell of arguments that are missing or not known."""
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        known_arguments(cls)
+
+
+def telling(function: Callable[P, R]) -> Callable[P, R]:
+    """Let a function tell of arguments that are missing or not known; nothing is checked of calls that succeed."""
+
     @functools.wraps(function)
     def call(*args: P.args, **kwargs: P.kwargs) -> R:
-        require_known(function, kwargs, args)
+        try:
+            return function(*args, **kwargs)
+        except TypeError as error:
+            if error.__traceback__ is None or error.__traceback__.tb_next is not None:
+                raise  # by what the function does, not by its call
+        require_known(inspect.unwrap(function), kwargs, args)
         return function(*args, **kwargs)
 
     return call

@@ -5,12 +5,13 @@ from __future__ import annotations
 from collections.abc import Iterable
 from html import escape
 
+from viscorod.argument_names import KnownArguments
 from viscorod.quantity_text import number, scaled
 
 __all__ = ["Shown", "card", "counted", "span"]
 
 
-class Shown:
+class Shown(KnownArguments):
     """What gives an object one line for `repr` and a card for notebooks."""
 
     def _facts(self) -> Iterable[str]:

@@ -15,6 +15,7 @@ from viscorod.analyses.motion_attributes import described
 from viscorod.analyses.motion_start import initial_state, small_vibrations
 from viscorod.analyses.motion_stepping import integrator_makers, stepping
 from viscorod.analyses.provenance import provenance
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
 from viscorod.limits import SMALLEST_NUMBER
@@ -35,6 +36,7 @@ from viscorod.typing import Floats
 __all__ = ["CoSimulation"]
 
 
+@known_arguments
 class CoSimulation:
     """A model between two steps of a coupled simulation.
 

@@ -16,6 +16,7 @@ from viscorod.analyses.sweeps.points import (
     require_distributions,
     uniform_points,
 )
+from viscorod.argument_names import telling
 from viscorod.casefile.case import Case
 from viscorod.errors import Fault, InputError, SolveError
 from viscorod.results.ensemble import Ensemble
@@ -29,6 +30,7 @@ __all__ = ["ensemble"]
 Progress: TypeAlias = Callable[[float], None]
 
 
+@telling
 def ensemble(
     case: Case | str | Path,
     distributions: Mapping[str, Any],

@@ -22,6 +22,7 @@ from viscorod.analyses.identification.search import Fitted, fitted
 from viscorod.analyses.identification.sought import Range
 from viscorod.analyses.identification.told import missed, sentences_of
 from viscorod.analyses.identification.unit_of import unit_of
+from viscorod.argument_names import telling
 from viscorod.casefile.case import Case
 from viscorod.casefile.toml_text import toml_text
 from viscorod.errors import Fault, InputError, SolveError
@@ -43,6 +44,7 @@ Pairs = Sequence[tuple[Case, Any]]
 
 
 @one_blas_thread()
+@telling
 def identify(
     case: Case | Pairs,
     records: Any = None,

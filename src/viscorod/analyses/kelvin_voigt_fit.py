@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
@@ -34,6 +35,7 @@ OUTSIDE = 100.0
 """How far beyond the relaxation times a comparison goes if no band is given."""
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class KelvinVoigtFit(WellNamed, Shown):
     """A Kelvin-Voigt solid beside the complex modulus that it stands for.

@@ -22,6 +22,7 @@ from viscorod.analyses.sweeps.process_start import prepare
 from viscorod.analyses.sweeps.processes import UNTOUCHED, in_parallel
 from viscorod.analyses.sweeps.rows import Columns, Values, rows_of
 from viscorod.analyses.sweeps.stopping import stopping
+from viscorod.argument_names import telling
 from viscorod.casefile.case import Case, load_case
 from viscorod.checks import require_callback
 from viscorod.errors import Fault, InputError, SolveError
@@ -44,6 +45,7 @@ MOST_ERRORS = 64
 """Members whose errors are estimated unless told otherwise."""
 
 
+@telling
 def sweep(
     case: Case | str | Path,
     values: Values | None = None,

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import math
 
+from viscorod.argument_names import telling
 from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 
@@ -50,42 +51,50 @@ def _checked(name: str, value: float, *, positive: bool = False, below: float = 
     return value
 
 
+@telling
 def viscosity(time: float, modulus: float) -> float:
     """Return the viscosity (Pa s) of a retardation time (s) and its modulus (Pa): eta = G tau_S (LLT 3)."""
     return _checked("time", time) * _checked("modulus", modulus, positive=True)
 
 
+@telling
 def loss_factor(time: float, frequency: float) -> float:
     """Return the loss factor d = 2 pi f tau of a retardation time (s) at a frequency (Hz)."""
     return 2.0 * math.pi * _checked("frequency", frequency, positive=True) * _checked("time", time)
 
 
+@telling
 def time_from_loss_factor(factor: float, frequency: float) -> float:
     """Return the retardation time tau = d/(2 pi f), s, of a loss factor at a frequency (Hz)."""
     return _checked("loss_factor", factor) / (2.0 * math.pi * _checked("frequency", frequency, positive=True))
 
 
+@telling
 def damping_ratio(time: float, frequency: float) -> float:
     """Return the damping ratio zeta = pi f tau of a mode whose undamped frequency (Hz) is given."""
     return loss_factor(time, frequency) / 2.0
 
 
+@telling
 def time_from_damping_ratio(ratio: float, frequency: float) -> float:
     """Return the retardation time tau = zeta/(pi f), s, of a mode's damping ratio and undamped frequency (Hz)."""
     return time_from_loss_factor(2.0 * _checked("damping_ratio", ratio), frequency)
 
 
+@telling
 def critical_frequency(time: float) -> float:
     """Return the undamped frequency (Hz) above which modes creep back instead of swinging: 1/(pi tau)."""
     return 1.0 / (math.pi * _checked("time", time, positive=True))
 
 
+@telling
 def damped_frequency(frequency: float, ratio: float) -> float:
     """Return the frequency (Hz) of the decaying swing, f sqrt(1 - zeta^2); zero for an overdamped mode."""
     _checked("frequency", frequency, positive=True)
     return frequency * math.sqrt(max(1.0 - _checked("damping_ratio", ratio) ** 2, 0.0))
 
 
+@telling
 def log_decrement(ratio: float) -> float:
     """Return the logarithmic decrement of successive maxima, delta = 2 pi zeta / sqrt(1 - zeta^2).
 
@@ -96,11 +105,13 @@ def log_decrement(ratio: float) -> float:
     return 2.0 * math.pi * ratio / math.sqrt(1.0 - ratio * ratio)
 
 
+@telling
 def ratio_from_log_decrement(decrement: float) -> float:
     """Return the damping ratio of a logarithmic decrement, zeta = delta / sqrt(4 pi^2 + delta^2)."""
     return _checked("log_decrement", decrement) / math.hypot(2.0 * math.pi, decrement)
 
 
+@telling
 def quality_factor(ratio: float) -> float:
     """Return the quality factor Q = 1/(2 zeta); infinite without damping.
 
@@ -111,11 +122,13 @@ def quality_factor(ratio: float) -> float:
     return math.inf if _checked("damping_ratio", ratio) == 0.0 else 1.0 / (2.0 * ratio)
 
 
+@telling
 def ratio_from_quality_factor(quality: float) -> float:
     """Return the damping ratio of a quality factor, zeta = 1/(2 Q)."""
     return 1.0 / (2.0 * _checked("quality_factor", quality, positive=True))
 
 
+@telling
 def half_power_points(ratio: float) -> tuple[float, float]:
     """Return where the *displacement* amplitude under a force of constant amplitude is 1/sqrt(2) of its maximum.
 
@@ -131,6 +144,7 @@ def half_power_points(ratio: float) -> tuple[float, float]:
     return math.sqrt(max(middle - half, 0.0)), math.sqrt(middle + half)
 
 
+@telling
 def bulk_time(extensional_time: float, shear_time: float, poissons_ratio: float) -> float:
     """Return the retardation time in volume change that gives a time in extension (bending, stretching), s.
 

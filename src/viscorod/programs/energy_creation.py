@@ -14,6 +14,7 @@ from itertools import combinations
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments, telling
 from viscorod.checks import checked_with, matrix
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.programs.matrices import by_sizes, symmetric_part
@@ -26,6 +27,7 @@ ROUND_OFF = 1e-12
 """Relative size below which an eigenvalue of a matrix scaled to a unit diagonal counts as zero."""
 
 
+@known_arguments
 @dataclass(frozen=True)
 class CouplingLimit:
     """One coupling of a section stiffness, as a correlation S_ij/sqrt(S_ii S_jj) between -1 and 1.
@@ -42,6 +44,7 @@ class CouplingLimit:
     limit: float
 
 
+@known_arguments
 @dataclass(frozen=True)
 class EnergyCheck:
     """The effect on energy of the product of six times with a stiffness.
@@ -138,6 +141,7 @@ def least_power(law: Floats, stiffness: Floats) -> float:
     return float(values[0]) / largest if largest > 0.0 else 0.0
 
 
+@telling
 def creates_energy(law: Floats, stiffness: Floats) -> bool:
     """Return whether a damping law S_visc = P eps_t, P (6, 6) of any symmetry, creates energy in some motion."""
     return least_power(law, stiffness) < -ROUND_OFF

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments, telling
 from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
@@ -18,6 +19,7 @@ from viscorod.typing import Floats
 __all__ = ["Rayleigh", "rayleigh_for_constant_ratio", "rayleigh_from_time", "time_from_rayleigh"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Rayleigh:
     """Two constants fitted over a band.
@@ -55,12 +57,14 @@ def _band(low: float, high: float) -> tuple[float, float]:
     return 2.0 * math.pi * low, 2.0 * math.pi * high
 
 
+@telling
 def rayleigh_from_time(time: float, low: float, high: float) -> Rayleigh:
     """Return the constants of a Kelvin-Voigt time (s): alpha = 0 and beta = tau, exactly and over any band (Hz)."""
     _band(low, high)
     return Rayleigh(0.0, time, low, high, 0.0)
 
 
+@telling
 def rayleigh_for_constant_ratio(ratio: float, low: float, high: float) -> Rayleigh:
     """Return the constants closest to the same damping ratio everywhere in a band (Hz).
 
@@ -84,6 +88,7 @@ def rayleigh_for_constant_ratio(ratio: float, low: float, high: float) -> Raylei
     return Rayleigh(alpha, beta, low, high, max(abs(value - ratio) for value in values))
 
 
+@telling
 def time_from_rayleigh(alpha: float, beta: float, low: float, high: float) -> tuple[float, float]:
     """Return the Kelvin-Voigt time closest to two Rayleigh constants in a band (Hz).
 

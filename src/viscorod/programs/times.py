@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.optimize import nnls
 
+from viscorod.argument_names import known_arguments, telling
 from viscorod.checks import checked_with, matrix, number, numbers
 from viscorod.errors import Fault, InputError
 from viscorod.model.sections.stiffness_section import STRAINS
@@ -74,6 +75,7 @@ def symmetric_damping(stiffness: Floats, times: Sequence[float] | Floats) -> Flo
     return np.asarray(root[:, None] * stiffness * root[None, :])
 
 
+@known_arguments
 @dataclass(frozen=True)
 class MaterialFit:
     """The two times of an isotropic material that come closest to six given ones.
@@ -98,6 +100,7 @@ class MaterialFit:
         return float(np.abs(self.deviations).max())
 
 
+@telling
 def fit_material(
     times: Sequence[float] | Floats, poissons_ratio: float, *, left_out: Sequence[int] = ()
 ) -> MaterialFit:

@@ -9,6 +9,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
+from viscorod.argument_names import KnownArguments
 from viscorod.errors import Fault, InputError
 from viscorod.records.arguments import described
 from viscorod.records.unknown import Unknown, resolved
@@ -23,7 +24,7 @@ STEP = 1e-4
 """Step of the differences by unknowns, as a part of their usual size."""
 
 
-class AnyRecord(ABC):
+class AnyRecord(KnownArguments, ABC):
     """A record of a measurement: numbers in SI, their noise, and what is unknown of how they were measured.
 
     Attributes:

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.argument_names import telling
 from viscorod.errors import Fault, InputError
 from viscorod.one_thread import one_blas_thread
 from viscorod.records.any_record import finite, increasing
@@ -31,6 +32,7 @@ CONFIDENCE = 0.95
 
 @described
 @one_blas_thread()
+@telling
 def decay(
     source: Any,
     values: Any = None,

@@ -15,6 +15,7 @@ import numpy as np
 from scipy.stats import norm
 from scipy.stats import t as student
 
+from viscorod.argument_names import telling
 from viscorod.checks import number
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError
@@ -51,6 +52,7 @@ _POINT = re.compile(r"the (storage|loss) modulus at (\S+) Hz is ")
 
 @described
 @one_blas_thread()
+@telling
 def master_curve(
     files: str | Path | Sequence[str | Path] | Sequence[Sweep],
     *,

@@ -16,6 +16,7 @@ import numpy as np
 from scipy.ndimage import maximum_filter1d
 from scipy.stats import t as student
 
+from viscorod.argument_names import telling
 from viscorod.errors import Fault, InputError
 from viscorod.one_thread import one_blas_thread
 from viscorod.records.arguments import described
@@ -59,6 +60,7 @@ DIFFER = 1.5
 
 @described
 @one_blas_thread()
+@telling
 def modal_fit(
     records: ResponseRecord | Sequence[ResponseRecord],
     *,

@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-import re
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+from viscorod.argument_names import MISSING
 from viscorod.checks import file_path
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord
@@ -57,17 +57,12 @@ def record_of(table: Mapping[str, Any], folder: str | Path = ".") -> AnyRecord:
                 Unknown(**one) if isinstance(one, Mapping) else one for one in given["unknown"]
             ]
         return _MAKERS[kind](given)
-    except TypeError as error:
-        raise InputError(_missing(kind, str(error))) from None
-
-
-def _missing(kind: str, said: str) -> list[Fault]:
-    """Return which keys a record lacks, from what Python says of a call without them."""
-    lacking = re.findall(r"'(\w+)'", said) if "missing" in said else []
-    return [
-        Fault(key, "", f"a record of kind {kind} needs this key, which is missing", f"add {key}")
-        for key in lacking
-    ] or [Fault(f"record of kind {kind}", "", said.rsplit("() ", maxsplit=1)[-1], "check its keys")]
+    except InputError as error:
+        lacking = [one.where.rpartition(": ")[2] for one in error.problems if one.why == MISSING]
+        if not lacking:
+            raise
+        why = f"a record of kind {kind} needs this key, which is missing"
+        raise InputError([Fault(key, "", why, f"add {key}") for key in lacking]) from None
 
 
 def _motion(given: dict[str, Any]) -> AnyRecord:

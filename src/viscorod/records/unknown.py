@@ -6,12 +6,14 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import number, text
 from viscorod.errors import Fault, InputError
 
 __all__ = ["Unknown", "resolved"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Unknown:
     """A number that is not the material's and is fitted along: of the measurement, or of the model by its key.

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.results.followed_modes import FollowedModes, error_text
 from viscorod.results.stateless_result import Variables
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["Campbell", "CriticalSpeed"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class CriticalSpeed:
     """A speed at which a frequency is a multiple of it.

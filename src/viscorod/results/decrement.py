@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.attributes import WellNamed
 from viscorod.checks import checked_with
 from viscorod.checks import numbers as checked_numbers
@@ -30,6 +31,7 @@ _SCATTER = 0.5  # change of the ratio between cycles, as a part of the largest, 
 _UNDAMPED = 1e-3  # ratios below it scatter by the errors of the integration
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class Decrement(WellNamed, Shown, Alike):
     """Successive maxima (or minima) of a decaying motion; n of them bound n - 1 cycles.

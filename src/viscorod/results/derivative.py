@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.errors import InputError
 
@@ -32,6 +33,7 @@ class Part(NamedTuple, Generic[R]):
     result: R
 
 
+@known_arguments
 class Derivative(Generic[R]):
     """How everything in a result changes with one number of its case.
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.results.text_numbers import number, percent, quantity, scaled
 from viscorod.results.text_table import wrapped
 from viscorod.shown import Shown, span
@@ -22,6 +23,7 @@ _ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there
 _SQUARED_ROUND_OFF = 1e-24
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class Energy(Shown, Alike):
     """Energies over time [J], arrays of the length of ``time`` [s].

@@ -11,6 +11,7 @@ from typing import ClassVar
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_numbers import above_rounding, scaled
@@ -21,6 +22,7 @@ from viscorod.typing import Floats
 __all__ = ["FollowedModes", "Limit", "Meeting", "error_text"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Limit:
     """A value of the parameter at which a mode begins to grow, or ceases to.
@@ -40,6 +42,7 @@ class Limit:
     mesh_error: float
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Meeting:
     """Two modes whose frequencies meet.

@@ -7,9 +7,12 @@ from typing import ClassVar
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
+
 __all__ = ["Foretold", "Law", "Number"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Number:
     """A number that was found.
@@ -36,6 +39,7 @@ class Number:
         return bool(np.isfinite(self.low) and np.isfinite(self.high))
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Law:
     """A law that was compared on the same data.
@@ -55,6 +59,7 @@ class Law:
     values: str
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Foretold:
     """A free decay that a law foretells, which was fitted to other records, beside what the record shows.

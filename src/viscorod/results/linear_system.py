@@ -11,6 +11,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.errors import Fault, InputError
 from viscorod.results.reduced_system import ReducedSystem, judged
@@ -33,6 +34,7 @@ ROUND_OFF = 1e-12
 Reduction = Literal["modal", "craig_bampton", "balanced"]
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class LinearSystem(Shown, Alike):
     """A model made linear about a state, ``M y'' + (D + G) y' + (K + N) y + sum_j K_j w_j = F u``.

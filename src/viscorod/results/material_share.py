@@ -12,11 +12,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.typing import Floats
 
 __all__ = ["AtMost", "material_at_most", "material_text"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class AtMost:
     """The most that a law of the material can have.

@@ -10,6 +10,7 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.results.state_matrices import StateMatrices
 from viscorod.results.text_table import page, table
 from viscorod.shown import Shown, counted, span
@@ -30,6 +31,7 @@ TOLD = 8
 """Poles that are compared at most."""
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class ReducedSystem(Shown, Alike):
     """A linear system with fewer coordinates or states, and how far it is from the whole one.

@@ -8,6 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import scipy  # its parts are imported when they are asked for
 
+from viscorod.argument_names import known_arguments
 from viscorod.typing import Floats
 
 __all__ = ["Resonance", "resonances_of"]
@@ -22,6 +23,7 @@ ON_CIRCLE = 4
 """Frequencies within the half-power band from which a circle is fitted."""
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Resonance:
     """A peak of a response.

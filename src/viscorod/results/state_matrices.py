@@ -12,6 +12,7 @@ import numpy as np
 import scipy.linalg
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.errors import InputError
 from viscorod.shown import Shown, counted
 from viscorod.typing import Floats
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
 __all__ = ["StateMatrices"]
 
 
+@known_arguments
 @dataclass(frozen=True, repr=False, eq=False)
 class StateMatrices(Shown, Alike):
     """Equations of first order, ``z' = A z + B u``, ``y = C z + D u``.

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeAlias, overload
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.results.files.storage import load
 from viscorod.results.quantity_values import Number
 from viscorod.results.sweep_figures import figures_of
@@ -66,6 +67,7 @@ def opened(stored: Stored) -> AnyResult | None:
     return stored() if callable(stored) else stored
 
 
+@known_arguments
 @dataclass(frozen=True)
 class SweepRun:
     """One run of a sweep.

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.alike import Alike
+from viscorod.argument_names import known_arguments
 from viscorod.attributes import WellNamed
 from viscorod.results.text_numbers import per_cent
 from viscorod.results.text_table import listed, numbers, page, table, words
@@ -30,6 +31,7 @@ LITTLE = 1e-4
 """Moments over the length below this part of the forces, and the other way round, are not what errors are parts of."""
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False)
 class TheorySolution(Alike):
     """What one theory says of a beam; one state of an equilibrium, or many of a motion.
@@ -62,6 +64,7 @@ class TheorySolution(Alike):
         return found
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False, repr=False)
 class TheoryComparison(WellNamed, Shown, Alike):
     """Theories of a planar straight beam beside the exact one.

@@ -22,7 +22,7 @@ from viscorod.model.fields.faults import at_key, problems_from, problems_of
 from viscorod.model.fields.faulty_value import FaultyValue
 from viscorod.model.fields.metadata import Key, accepted, expected, meaning, units_of
 from viscorod.model.fields.quantities import in_si
-from viscorod.model.fields.signature import parameters, signature
+from viscorod.model.fields.signature import Words, parameters, signature
 from viscorod.quantity_text import quantity
 from viscorod.shown import Shown
 from viscorod.units import looks_like_quantity
@@ -81,6 +81,9 @@ else:
         @property
         def __signature__(cls) -> inspect.Signature:
             """The arguments; a property, since Pydantic sets its own when it builds the validator of a class."""
+            own = list(inspect.signature(cls.__init__).parameters.values())[1:]
+            if all(one.kind is not one.VAR_KEYWORD for one in own):
+                return signature([one.replace(annotation=Words(one.annotation)) for one in own])
             left_out = (*cls.unused, *([cls.tag] if cls.tag else []))
             return signature(parameters(cls.model_fields, left_out))
 

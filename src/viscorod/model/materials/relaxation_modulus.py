@@ -16,6 +16,7 @@ from typing import TypeAlias
 import numpy as np
 import numpy.typing as npt
 
+from viscorod.argument_names import known_arguments
 from viscorod.errors import Fault, InputError
 from viscorod.typing import Floats
 
@@ -27,6 +28,7 @@ NOTHING = 1e-30
 Complexes: TypeAlias = npt.NDArray[np.complex128]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class RelaxationModulus:
     """A relaxation modulus; branches of equal time are merged, those without modulus left out.

@@ -13,6 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked, checked_with, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.symmetry import skew_entry
@@ -31,6 +32,7 @@ def station_name(index: int, eta: float) -> str:
     return f"station {index + 1} (eta = {eta:g})"
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False)
 class BeamDynBlade:
     """The content of a blade file.

@@ -14,6 +14,7 @@ from typing import Self, TypeAlias
 import numpy as np
 from scipy.interpolate import CubicSpline
 
+from viscorod.argument_names import known_arguments
 from viscorod.checks import checked, checked_with, numbers, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.centrelines.centreline import Centreline
@@ -29,6 +30,7 @@ __all__ = ["BladeTwist", "LineLike", "ReferenceLine", "beamdyn_axis", "key_point
 _STRAIGHT = 1e-12
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False)
 class ReferenceLine:
     """Key points of a blade in its root axes X, Y, Z, and the twist there.

@@ -9,6 +9,7 @@ from typing import Literal
 
 import numpy as np
 
+from viscorod.argument_names import telling
 from viscorod.checks import checked_with, numbers, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.rod import Rod
@@ -34,6 +35,7 @@ MOST_KNOWN = 10_000
 _CONSTANT = 1e-9  # relative change of a time along the rod that counts as none
 
 
+@telling
 def product_damping(stiffness: Floats, times: Floats) -> Floats:
     """Return (mu S + S mu)/2 (6, 6): the symmetric matrix that takes the same power as the products mu S and S mu.
 
@@ -102,6 +104,7 @@ class BladeSections:
         return known
 
 
+@telling
 def rod_from_blade(
     blade: BeamDynBlade | str | Path,
     centreline: LineLike,

@@ -17,6 +17,7 @@ from typing import Any
 
 import numpy as np
 
+from viscorod.argument_names import telling
 from viscorod.checks import checked_with, file_path, number_of_parts, of_class
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.symmetry import skew_entry
@@ -37,6 +38,7 @@ KEYS = ("points", "stiffness", "compliance", "mass", "damping", "frames")
 _ALIGNED = 0.05  # rad between an element's x axis and the spline's tangent at its middle
 
 
+@telling
 def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "symmetric") -> Rod:
     """Return a GXBeam-style beam as a rod with one section per element.
 

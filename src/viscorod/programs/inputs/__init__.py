@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from viscorod.argument_names import telling
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean
 from viscorod.programs.inputs.ancf import ANCF
@@ -55,6 +56,7 @@ PROGRAMS: dict[str, type[ProgramInputs]] = {
 """The programs by their word; a new one is one class and one line here."""
 
 
+@telling
 def program(word: str) -> type[ProgramInputs]:
     """Return the class of inputs of a program by its word.
 

@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
@@ -17,6 +18,7 @@ from viscorod.typing import Floats
 __all__ = ["ANCF"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class ANCF(ProgramInputs):
     """The dissipation factors of a solid of Kelvin-Voigt material, and its Lame constants.

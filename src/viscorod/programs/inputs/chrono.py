@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.programs.axial_first import VISCOSITIES, from_axial_first, to_axial_first
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
 from viscorod.programs.times import symmetric_damping
@@ -18,6 +19,7 @@ __all__ = ["ChronoLinear", "ChronoRayleigh", "ChronoTapered"]
 _COSSERAT = "projectchrono/chrono: src/chrono/fea/ChBeamSectionCosserat.cpp"
 
 
+@known_arguments
 @dataclass(frozen=True)
 class ChronoRayleigh(ProgramInputs):
     """beta of ChDampingCosseratRayleigh (IGA beams), or of the Rayleigh damping of a ChBeamSectionEuler.
@@ -60,6 +62,7 @@ class ChronoRayleigh(ProgramInputs):
         )
 
 
+@known_arguments
 @dataclass(frozen=True)
 class ChronoLinear(ProgramInputs):
     """R_e and R_k of ChDampingCosseratLinear, in Chrono's order (axial, shear y, z | torsion, bend y, z).
@@ -101,6 +104,7 @@ class ChronoLinear(ProgramInputs):
         )
 
 
+@known_arguments
 @dataclass(frozen=True)
 class ChronoTapered(ProgramInputs):
     """bx, by, bz, bt of the tapered Timoshenko beams: square roots of times.

@@ -9,6 +9,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.programs.axial_first import STRAINS, VISCOSITIES, from_axial_first, to_axial_first
 from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
@@ -59,6 +60,7 @@ class DampingMatrix(ProgramInputs):
         return super().losses(data) or (self.nothing_lost,)
 
 
+@known_arguments
 @dataclass(frozen=True)
 class MBDyn(DampingMatrix):
     """The 6D law `linear viscoelastic generic` of a beam, in MBDyn's order (axial, shear y, z | torsion, bend y, z).
@@ -115,6 +117,7 @@ class MBDyn(DampingMatrix):
         )
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Exudyn(DampingMatrix):
     """The 6x6 damping matrix of exudyn.BeamSection, in its order (axial, shear y, z | torsion, bend y, z).

@@ -10,6 +10,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from viscorod.argument_names import KnownArguments, known_arguments
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.model.rod import Rod
@@ -34,6 +35,7 @@ UNITS = {"segment_length": "m", "frequency": "Hz"}
 """Units of the options of programs."""
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False)
 class SectionData:
     """One section of a rod, for translation.
@@ -70,6 +72,7 @@ class SectionData:
         return component_times(self.stiffness, self.damping)
 
 
+@known_arguments
 @dataclass(frozen=True, eq=False)
 class Recovered:
     """A program's inputs as viscorod's damping.
@@ -91,7 +94,7 @@ class Recovered:
 
 
 @dataclass(frozen=True)
-class ProgramInputs(ABC):
+class ProgramInputs(KnownArguments, ABC):
     """The inputs of one program that describe a beam's damping.
 
     A subclass states in class attributes what the program is, and in four methods how a section becomes its numbers,

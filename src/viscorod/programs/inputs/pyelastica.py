@@ -8,6 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.errors import Fault, InputError
 from viscorod.programs.inputs.program_inputs import (
     ProgramInputs,
@@ -20,6 +21,7 @@ from viscorod.typing import Floats
 __all__ = ["PyElastica"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class PyElastica(ProgramInputs):
     """The uniform damping constant of AnalyticalLinearDamper that agrees at one frequency.

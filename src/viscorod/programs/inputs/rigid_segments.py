@@ -8,12 +8,14 @@ from typing import Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
 from viscorod.typing import Floats
 
 __all__ = ["MuJoCo", "Newton"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class MuJoCo(ProgramInputs):
     """The damping of the ball joints between the segments of a cable.
@@ -86,6 +88,7 @@ class MuJoCo(ProgramInputs):
         )
 
 
+@known_arguments
 @dataclass(frozen=True)
 class Newton(ProgramInputs):
     """Constants of the joints between the capsules of a rod (ModelBuilder.add_rod); per joint, not per length.

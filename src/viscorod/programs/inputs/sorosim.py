@@ -8,6 +8,7 @@ from typing import Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.errors import Fault, InputError
 from viscorod.model.materials.material import Material
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
@@ -17,6 +18,7 @@ from viscorod.typing import Floats
 __all__ = ["SoRoMoX", "SoRoSim"]
 
 
+@known_arguments
 @dataclass(frozen=True)
 class SoRoSim(ProgramInputs):
     """The material damping Eta of a soft link.
@@ -94,6 +96,7 @@ class SoRoSim(ProgramInputs):
         )
 
 
+@known_arguments
 @dataclass(frozen=True)
 class SoRoMoX(SoRoSim):
     """The material damping coefficient of a SoRoMoX link; the law is SoRoSim's."""

@@ -8,6 +8,7 @@ from typing import ClassVar, Self
 
 import numpy as np
 
+from viscorod.argument_names import known_arguments
 from viscorod.programs.axial_first import from_axial_first, to_axial_first
 from viscorod.programs.energy_creation import check_product
 from viscorod.programs.inputs.program_inputs import ProgramInputs, SectionData, number_text
@@ -52,6 +53,7 @@ class StiffnessProduct(ProgramInputs):
         return ((check.text(),) if np.isfinite(check.factor) else ()) + self.notes
 
 
+@known_arguments
 @dataclass(frozen=True)
 class BeamDyn(StiffnessProduct):
     """The six mu of a BeamDyn blade file, in its order, which is viscorod's: its local x, y, z are d1, d2, d3.
@@ -85,6 +87,7 @@ class BeamDyn(StiffnessProduct):
         return f"1   damp_type\n{heading}\n{names}\n{units}\n{values}"
 
 
+@known_arguments
 @dataclass(frozen=True)
 class GXBeam(StiffnessProduct):
     """The six mu of a GXBeam element, in its order (axial, shear, shear | torsion, bending, bending).
