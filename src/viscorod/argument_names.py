@@ -58,9 +58,13 @@ def require_known(function: Callable[..., Any], given: Mapping[str, Any], listed
 def _require_once(
     function: Callable[..., Any], names: Sequence[str], given: Mapping[str, Any], listed: Sequence[Any]
 ) -> None:
-    """Refuse arguments that are given twice, without their name and with it, and those that are missing."""
-    count = function.__code__.co_argcount
+    """Refuse arguments that are given twice, without their name and with it, and those that are missing.
+
+    What can be given by its place alone may stand beside a value of the same name for someone else.
+    """
+    count, by_place = function.__code__.co_argcount, function.__code__.co_posonlyargcount
     known = names[: min(len(listed), count)]
+    named = set(names[by_place:]) & given.keys()
     faults = [
         Fault(
             f"{_called(function)}: {name}",
@@ -69,13 +73,13 @@ def _require_once(
             "leave one of them out, or write the names of all",
         )
         for name in known
-        if name in given
+        if name in named
     ]
     free = names[count - len(function.__defaults__ or ()) : count]
     faults += [
         Fault(f"{_called(function)}: {name}", "", MISSING, f"give {name} = ...")
         for name in names
-        if not (name in known or name in given or name in free or name in (function.__kwdefaults__ or {}))
+        if not (name in known or name in named or name in free or name in (function.__kwdefaults__ or {}))
     ]
     if faults:
         raise InputError(faults)
