@@ -15,6 +15,7 @@ import numpy as np
 
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import start_consistently
+from viscorod.solve.constraints.start_balance import StartBalance
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.energy_account import NO_LOSS, StepShare
 from viscorod.solve.formulations.system import State, System
@@ -79,10 +80,20 @@ class Collocation(StageModel):
             self.system.impose_rest(Imposed(t=t))
             start_consistently(self.system, supports, state)
             self.stage_constraints.reset()
-        self._evaluate_state(t, state, before=False)
+        self._evaluate_start(t, state)
         self.predictor.reset()
         self._rate = 1.0
         self._have_jacobian, self._fresh_jacobian = False, OLD
+
+    def _evaluate_start(self, t: float, state: State) -> None:
+        """Evaluate the state in which a motion starts, with multipliers and reactions that its accelerations have."""
+
+        def unbalanced(acceleration: Floats) -> Floats:
+            self._evaluate_state(t, state, before=False, acceleration=acceleration)
+            return self._force
+
+        strain = None if self.forces.motion is None else self.forces.motion.start
+        StartBalance(self.system, self.supports, t, state, strain).solve(unbalanced)
 
     def unbalanced(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""

@@ -18,6 +18,7 @@ import numpy as np
 
 from viscorod.mechanics.nodes import inertia
 from viscorod.solve.constraints.projection import close_gaps, start_consistently, with_allowed_velocities
+from viscorod.solve.constraints.start_balance import StartBalance
 from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
@@ -63,13 +64,10 @@ class GeneralizedAlpha(MomentumModel):
         start_consistently(system, supports, state)
         if system.relaxation is not None and system.relaxation.known:
             system.relaxation.set_step(0.0)
-        system.assemble(state, self.loads.at(t), None, tangent=False, moving=True)
+        self._assemble_start(t, state)
         system.advance_branches()
         system.reset_stress()
         system.constraints.track_angles()
-        residual = system.residual()
-        supports.add_inertia(state, residual)
-        supports.impose(state, residual, system.matrix, tangent=False)
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
         system.viscous_loss(0.0)
         self._fresh = True
@@ -80,6 +78,27 @@ class GeneralizedAlpha(MomentumModel):
         self._snapshot = Snapshot.of(state, system, supports, self.kinetic)
         self.elastic = self._snapshot.elastic
 
+    def _assemble_start(self, t: float, state: State) -> None:
+        """Assemble the state in which a motion starts, with multipliers and reactions that its accelerations have."""
+        system, supports, loads = self.system, self.supports, self.loads.at(t)
+
+        def unbalanced(acceleration: Floats) -> Floats:
+            system.assemble(state, loads, None, tangent=False, moving=True)
+            force = self._unbalanced(state)
+            residual = np.einsum("nij,nj->ni", system.problem.mass, acceleration) - force
+            supports.impose(state, residual, system.matrix, tangent=False)
+            return force
+
+        start = StartBalance(system, supports, t, state)
+        start.solve(unbalanced)
+        # the rate of the momenta: of nodes that supports hold by their accelerations, of others by their forces
+        body, held = system.external - system.internal, supports.set.nodes
+        moved = np.einsum("nij,nj->ni", system.problem.mass, start.acceleration)
+        inertia.add_coriolis(system.problem.mass, state.twist, moved)
+        body[held] = moved[held]
+        self._wrench = np.empty_like(body)
+        inertia.momenta(np.tile(np.eye(6), (len(body), 1, 1)), state.r, state.q, body, self._wrench)
+
     def first_step(self, duration: float) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         problem, held = self.system.problem, np.zeros(self.system.problem.size)
@@ -89,8 +108,12 @@ class GeneralizedAlpha(MomentumModel):
 
     def unbalanced(self) -> Floats:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        turning = np.zeros_like(self.state.twist)
-        inertia.add_coriolis(self.system.problem.mass, self.state.twist, turning)
+        return self._unbalanced(self.state)
+
+    def _unbalanced(self, state: State) -> Floats:
+        """Return what accelerates the nodes in a ``state`` that is assembled ``(n, 6)``."""
+        turning = np.zeros_like(state.twist)
+        inertia.add_coriolis(self.system.problem.mass, state.twist, turning)
         return np.asarray(self.system.external - self.system.internal - turning)
 
     def attempt(self, end: float, *, before: bool) -> StepReport:
@@ -113,24 +136,28 @@ class GeneralizedAlpha(MomentumModel):
         return self._with_error(self._trial[1], 0)
 
     def _first_step(self, end: float, *, before: bool) -> StepReport:
-        """Start with the two-stage, second-order, L-stable method SDIRK2 (Alexander 1977).
+        """Start with TR-BDF2 (Bank et al. 1985), of two stages, of second order and L-stable.
 
-        It needs no initial accelerations: those after a sudden load live in the fastest modes and would ring on.
+        What a sudden load does to the fastest modes at the start is gone at its end. Methods that do not know the
+        accelerations at the start give those that supports, motors and joints prescribe several times over, and the
+        forces of these would ring on.
         """
         g = 1.0 - np.sqrt(0.5)
         h = end - self.t
-        old = self.state
+        old, began = self.state, self._wrench
         slope = 1.0 / (g * h)
-        first = Relation(slope, np.zeros_like(old.twist), -slope * self._momentum)
-        stage = self._solve(self.t + g * h, False, first, g * h * old.twist)
+        first = Relation(slope, -old.twist, -slope * self._momentum - began)
+        stage = self._solve(self.t + 2.0 * g * h, False, first, 2.0 * g * h * old.twist)
         if not stage.report.converged:
             return stage.report
         momentum = np.empty_like(self._momentum)
         new = stage.state
         inertia.momenta(self.system.problem.mass, new.r, new.q, new.twist, momentum)
         wrench = slope * momentum + first.history
-        ratio = (1.0 - g) / g
-        second = Relation(slope, -ratio * new.twist, -slope * self._momentum - ratio * wrench)
+        ratio = 0.25 * np.sqrt(2.0) / g
+        second = Relation(
+            slope, -ratio * (old.twist + new.twist), -slope * self._momentum - ratio * (began + wrench)
+        )
         self._trial = second, self._solve(end, before, second, h * new.twist)
         return self._with_error(self._trial[1], stage.report.iterations)
 
@@ -158,12 +185,16 @@ class GeneralizedAlpha(MomentumModel):
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         relation, solution = self._trial
-        began, first = self.t, self._fresh
+        began = self.t
         h = self._end - began
         self._start = self.state, self._snapshot
         self._take_solution(solution, relation, self._end)
         if self._fresh:
-            self._wrench_mean, self._twist_mean = self._wrench.copy(), self.state.twist.copy()
+            # means of twists are those at t + (am - af) h (Arnold, Bruels and Cardona 2015): taken at t, they make
+            # forces of what is prescribed ring. Those of wrenches stay, which a sudden load changes within the step
+            apart = self.coefficients.mass - self.coefficients.force
+            self._wrench_mean = self._wrench.copy()
+            self._twist_mean = self.state.twist + apart * h * self._rate
             self._project_velocities()
             if self.step_tolerance is None:
                 self._rate[:] = 0.0  # the first difference still holds the jump
@@ -177,8 +208,6 @@ class GeneralizedAlpha(MomentumModel):
             self._project_velocities()
         power = self._work_rate()
         self.actuator = self._actuator_work(began)
-        if first:  # forces of motors at the start are not known
-            self._power += self.system.constraints.motor_power()
         self.work = 0.5 * h * (self._power + power)
         self.outside = 0.5 * h * (self._lost_power + self.system.dissipated)
         self.branch_loss = self.system.advance_branches()

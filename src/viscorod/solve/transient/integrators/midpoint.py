@@ -37,7 +37,7 @@ class Midpoint(Collocation):
     def __init__(self, system: System, supports: SupportState, *, newton_tolerance: float = 1e-13) -> None:
         super().__init__(system, supports, MIDPOINT, newton_tolerance)
         self.ends = Ends.of(self.body, driven=system.imposed.changes)
-        self._end_twist = np.zeros((len(supports.complete), 6))
+        self._end_twist, self._end_acceleration = np.zeros((2, len(supports.complete), 6))
         self._age = 0
 
     def accept(self) -> None:
@@ -74,7 +74,7 @@ class Midpoint(Collocation):
         if len(c) == 0:
             return
         nodes = supports.set.nodes[c]
-        r, q, twist, _ = supports.complete_motion()
+        r, q, twist, acceleration = supports.complete_motion()
         motion.end_r[c], motion.end_q[c] = r, q
         old = self.state
         X, still, unused = np.empty(6), np.zeros(6), np.empty(6)
@@ -92,7 +92,7 @@ class Midpoint(Collocation):
             )
             motion.twist[0, support] = 0.5 * (old.twist[node] + twist[k])
             motion.twist_rate[0, support] = (twist[k] - old.twist[node]) / h
-        self._end_twist = twist
+        self._end_twist, self._end_acceleration = twist, acceleration
 
     def _prepare_rest(self, end: float, *, before: bool) -> None:
         """Let the middle have the mean of both ends, with which the energy balance is exact."""
@@ -108,19 +108,16 @@ class Midpoint(Collocation):
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.extrapolate_strains(self._whole_strain(0))
         state = State(ends.r[0].copy(), ends.q[0].copy(), twist, self.state.multiplier)
-        c = self.supports.complete
-        if self.supports.moving and len(c):
-            state.twist[self.supports.set.nodes[c]] = self._end_twist
-        supports = self.supports
+        supports, acceleration = self.supports, stages.acceleration[0].copy()
         if supports.moving:
+            held = supports.set.nodes[supports.complete]
+            state.twist[held], acceleration[held] = self._end_twist, self._end_acceleration
             supports.update(self._end, True)
         if self.stage_constraints is not None:
             self.system.constraints.update(self._end, True)
             self.stage_constraints.end_step(state, self._end - self.t, stage=False)
-        self._evaluate_state(self._end, state, before=True, acceleration=stages.acceleration[0])
+        self._evaluate_state(self._end, state, before=True, acceleration=acceleration)
 
-    def _evaluate_state(
-        self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
-    ) -> None:
+    def _evaluate_state(self, t: float, state: State, *, before: bool, acceleration: Floats) -> None:
         super()._evaluate_state(t, state, before=before, acceleration=acceleration)
         self.ends.start_strain[:] = self._points.strain

@@ -42,6 +42,10 @@ class StageConstraints:
         self.memory = LinkMemory.of(len(tableau.nodes), len(constraints.gap), c)
         self._length = 0.0  # of the last step [s], 0 if it predicts nothing
         self._whole: tuple[LinkMemory, float, float] | None = None  # of what step, its length, place in it
+        self._middle = np.zeros(
+            len(constraints.gap)
+        )  # multipliers there, of the last step of the midpoint rule
+        self._since = 0.0  # time since then [s], 0 if there was none
         self._start = JointState(np.zeros(c), np.zeros(c), np.zeros(c))
 
     @property
@@ -88,7 +92,7 @@ class StageConstraints:
 
     def reset(self) -> None:
         """Forget the last step: it does not predict the next one."""
-        self._length, self._whole = 0.0, None
+        self._length, self._whole, self._since = 0.0, None, 0.0
 
     def follow(self, whole: StageConstraints, place: float) -> None:
         """Let the next step be predicted by ``whole``, see ``predictor.Predictor.follow``."""
@@ -147,7 +151,7 @@ class StageConstraints:
         memory.multipliers[1:], memory.forces[1:] = states.multiplier, states.force
         if len(self.tableau.nodes) > 1:
             self._length = h
-        state.multiplier = states.multiplier[-1].copy()
+        state.multiplier = states.multiplier[-1].copy() if stage else self._extrapolated(h)
         position = float((np.abs(states.gap[-1]) / constraints.unit).max(initial=0.0))
         memory.drift[0] = max(memory.drift[0], position)
         if stage:
@@ -155,6 +159,18 @@ class StageConstraints:
             constraints.force = states.force[-1].copy()
             self.begin(state)
         return constraints.function_energy()
+
+    def _extrapolated(self, h: float) -> Floats:
+        """Return multipliers at the end of a step of ``h`` [s]: on the line through two middles, or start and middle.
+
+        Those of the middle alone are of first order there.
+        """
+        middle, earlier = self.arrays.states.multiplier[-1].copy(), self._middle
+        if self._since == 0.0:
+            earlier = self.memory.multiplier
+        slope = (middle - earlier) / (self._since + 0.5 * h)
+        self._middle, self._since = middle, 0.5 * h
+        return np.asarray(middle + 0.5 * h * slope)
 
     def with_allowed_velocities(self, snapshot: Snapshot, systems: StageSystems) -> Snapshot:
         """Return the ``snapshot`` at the end of a step with allowed velocities; ``systems``: of the step."""

@@ -193,12 +193,11 @@ class StageModel:
         gained = stages.rest - imposed.driven(self.t)
         stages.rest_rate[:] = np.einsum("ij,jegk->iegk", self.tableau.derivative, gained) / h
 
-    def _evaluate_state(
-        self, t: float, state: State, *, before: bool, acceleration: Floats | None = None
-    ) -> None:
+    def _evaluate_state(self, t: float, state: State, *, before: bool, acceleration: Floats) -> None:
         """Make ``state`` the one at ``t``: forces, energies and reactions there.
 
-        Without accelerations those of free nodes are unknown, and reactions exclude the inertia of partly held ones.
+        Args:
+            acceleration: rates of the twists ``(n, 6)``, of which the reactions at supported nodes contain inertia.
         """
         supports, body, points = self.supports, self.body, self._points
         self.t, self.state = t, state
@@ -215,10 +214,7 @@ class StageModel:
         residual = internal - external
         inertia.add_coriolis(body.mass, state.twist, residual)
         np.negative(residual, out=self._force)
-        if acceleration is None:
-            supports.add_acceleration(residual)
-        else:
-            residual += np.einsum("nij,nj->ni", body.mass, acceleration)
+        residual += np.einsum("nij,nj->ni", body.mass, acceleration)
         supports.impose(state, residual, self.system.matrix, tangent=False)
         self.kinetic = inertia.kinetic_energy(body.mass, state.twist)
         elastic, dissipated = np.empty((2, 1))  # not the powers of the last step, which states between need
