@@ -127,11 +127,11 @@ class VibrationProblem:
 
     def neutral(self, squares: Floats, shapes: Floats, sizes: Floats | None = None) -> np.ndarray:
         """Return which shapes, of unit inertia, have no stiffness but round-off; ``sizes`` as in :meth:`refined`."""
-        levers = 0.0 if self.levers is None else self.levers @ np.abs(self.basis @ shapes) ** 2
+        levers = np.zeros(shapes.shape[1])
+        if self.levers is not None:
+            levers = self.levers @ np.abs(self.basis @ shapes) ** 2
         found = np.abs(squares) <= 10.0 * EPS * ((self.sizes(shapes) if sizes is None else sizes) + levers)
         if self.work is not None and found.any():
             _, size = self.work.form(shapes[:, found])
-            found[found] = np.abs(squares[found]) <= 10.0 * EPS * (
-                size + (levers[found] if self.levers is not None else 0.0)
-            )
+            found[found] = np.abs(squares[found]) <= 10.0 * EPS * (size + levers[found])
         return found
