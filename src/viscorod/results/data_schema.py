@@ -98,7 +98,11 @@ VARIABLES: dict[str, tuple[str, str]] = {
     "joint_spin": ("rad/s", "angular velocity in the axes of the node at the joint, or of the first one"),
     "centre": ("m", "point on the axis of rotation"),
     "momentum": ("N m s", "angular momentum about the centre, global axes"),
-    "eigenvalue": ("1/s", "real and imaginary part of s, small motions exp(s t) about the state"),
+    "eigenvalue": (
+        "1/s",
+        "real and imaginary part of s, small motions exp(s t) about the state; natural frequency |s|/2 pi, "
+        "of the oscillation |Im s|/2 pi",
+    ),
     "mode_shape": ("1", "displacement in a small motion, largest component 1, real and imaginary part"),
     "mode_rotation": ("rad/m", "rotation in it, body axes, per displacement of 1 m"),
     "mode_name": ("", "what most of the strain energy of a small motion is in, and its number among these"),

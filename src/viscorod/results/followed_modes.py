@@ -13,6 +13,7 @@ import numpy as np
 
 from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
+from viscorod.results.frequency_words import frequency_note
 from viscorod.results.stateless_result import StatelessResult, Variables
 from viscorod.results.text_numbers import above_rounding, scaled
 from viscorod.results.text_table import listed, page, table
@@ -80,7 +81,7 @@ class FollowedModes(StatelessResult):
             "frequency": (
                 (p, "mode"),
                 "Hz",
-                "of the oscillation, Im s over 2 pi, in the frame of the diagram",
+                "of the oscillation, |Im s| over 2 pi, in the frame of the diagram; natural ones are |s| over 2 pi",
             ),
             "damping_ratio": ((p, "mode"), "1", "-Re s over |s|, in the frame of the diagram"),
             "likeness": ((p, "mode"), "1", "MAC of the shape with the one next to it on the way"),
@@ -127,7 +128,7 @@ class FollowedModes(StatelessResult):
 
     @property
     def frequencies(self) -> Floats:
-        """Frequencies of the oscillations, ``Im s`` over 2 pi [Hz] ``(n, modes)``."""
+        """Frequencies of the oscillations, ``|Im s|/2 pi`` [Hz] ``(n, modes)``; those of ``Modes`` are ``|s|/2 pi``."""
         return np.asarray(self.data["frequency"].values, dtype=float)
 
     @property
@@ -177,7 +178,8 @@ class FollowedModes(StatelessResult):
         return page([*self._blocks(), self._meetings(), self._warnings()])
 
     def _blocks(self) -> list[str]:
-        return [self._heading(), self._modes(), self._limits()]
+        note = frequency_note(self.damping_ratios[[0, -1]], natural=False)
+        return [self._heading(), self._modes(), *note, self._limits()]
 
     @abstractmethod
     def _heading(self) -> str:

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-__all__ = ["FrequencyResponse"]
+__all__ = ["FrequencyResponse", "phases"]
 
 VARIABLES: Variables = {
     "frequency": (("frequency",), "Hz", "frequency of the harmonic motion"),
@@ -47,6 +47,15 @@ VARIABLES: Variables = {
     ),
 }
 """Name -> dimensions, unit and long name of every variable; all are always there."""
+
+
+def phases(values: np.ndarray) -> Floats:
+    """Return the phases of complex responses [degrees], from -180 to 180; that of an output that lags is negative.
+
+    They are not continued beyond half a turn: between two frequencies far apart nobody knows how many turns there were.
+    """
+    found: Floats = np.degrees(np.angle(values))
+    return found
 
 
 class FrequencyResponse(StatelessResult):

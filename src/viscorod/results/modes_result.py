@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, ClassVar, Self
 import numpy as np
 
 from viscorod.checks import checked
+from viscorod.results.frequency_words import frequency_note
 from viscorod.results.result import Result
 from viscorod.results.text_numbers import number
 from viscorod.results.text_table import listed, numbers, page, tabulated, words
@@ -67,7 +68,10 @@ class Modes(Result):
 
     @cached_property
     def frequencies(self) -> Floats:
-        """``|s|/2 pi`` [Hz] ``(modes,)`` (for an underdamped mode the undamped natural frequency)."""
+        """Natural frequencies ``|s|/2 pi`` [Hz] ``(modes,)``, of proportional damping those without it.
+
+        A mode swings at ``|Im s|/2 pi``, which is sqrt(1 - ratio^2) of it; stability and Campbell diagrams have that.
+        """
         return np.asarray(np.abs(self.eigenvalues) / (2.0 * np.pi))
 
     @cached_property
@@ -168,6 +172,7 @@ class Modes(Result):
         blocks = [
             heading,
             modes,
+            *frequency_note(self.damping_ratios, natural=True),
             sure,
         ]
         if self.assumptions:

@@ -92,7 +92,7 @@ class Steady(LastState):
 
     @property
     def frequencies(self) -> Floats:
-        """``|s|/2 pi`` of the eigenvalues [Hz] ``(motions,)``."""
+        """Natural frequencies ``|s|/2 pi`` [Hz] ``(motions,)``; those of a Campbell diagram are ``|Im s|/2 pi``."""
         size: Floats = np.abs(self.eigenvalues) / (2.0 * np.pi)
         return size
 

@@ -25,13 +25,14 @@ from viscorod.pictures.style import (
     headline,
     legend_above,
 )
+from viscorod.results.frequency_response import FrequencyResponse, phases
 from viscorod.results.text_numbers import quantity
+from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from viscorod.results.frequency_response import FrequencyResponse
 
 __all__ = ["KINDS", "draw_response"]
 
@@ -103,7 +104,7 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes | No
             hertz, np.maximum(np.abs(values), np.finfo(float).tiny), label=_label(result, k, j), **line
         )
         if ax is None:
-            panels[-1].plot(hertz, _phase(values), **line)
+            panels[-1].plot(*_with_gaps(hertz, phases(values)), **line)
     for axes, unit in zip(panels, units, strict=False):
         clean(axes, "" if ax is None else "frequency [Hz]", "size" if unit == "1" else f"size [{unit}]")
         axes.margins(x=0.0, y=0.14)
@@ -118,11 +119,10 @@ def _bode(result: FrequencyResponse, pairs: list[tuple[int, int]], ax: Axes | No
     return picture
 
 
-def _phase(values: np.ndarray) -> np.ndarray:
-    """Return the phases in degrees, with gaps where they pass half a turn."""
-    found: np.ndarray = np.degrees(np.angle(values))
-    found[np.flatnonzero(np.abs(np.diff(found)) > 180.0)] = np.nan
-    return found
+def _with_gaps(hertz: Floats, degrees: Floats) -> tuple[Floats, Floats]:
+    """Return a curve of phases with a gap wherever they pass half a turn."""
+    jumps = 1 + np.flatnonzero(np.abs(np.diff(degrees)) > 180.0)
+    return np.insert(hertz, jumps, hertz[jumps]), np.insert(degrees, jumps, np.nan)
 
 
 def _along(axes: Axes, hertz: float) -> float:

@@ -72,7 +72,7 @@ class CurveParts:
             marks: points with a text, ``{"x", "y", "text", "kind"}``; guides: grey lines ``{"x", "y", "text"}``.
             when: number of a choice -> what has to be chosen for it to be shown.
             more: ``log`` axes ("x", "y"), ``range`` of y, ``equal`` units on both axes, ``side``: beside the others,
-                ``follows``: it shows the chosen place.
+                ``follows``: it shows the chosen place, ``turn``: of an angle, over which it jumps.
         """
         self.meta["charts"].append(
             {

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from viscorod.pictures.viewer.curve_parts import CurveParts, places
-from viscorod.results.frequency_response import FrequencyResponse
+from viscorod.results.frequency_response import FrequencyResponse, phases
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 
@@ -35,7 +35,7 @@ def response_page(result: FrequencyResponse, most: int) -> CurveParts:
             value, when = result.values[chosen, k, j], {output: k, source: j}
             size, phase = (
                 parts.rows(np.abs(value)[None]),
-                parts.rows(np.degrees(np.unwrap(np.angle(value)))[None]),
+                parts.rows(phases(value)[None]),
             )
             real, imaginary = parts.rows(value.real[None]), parts.rows(value.imag[None])
             words, unit = f"{name} over {given}", result.unit(k, j)
@@ -65,6 +65,8 @@ def response_page(result: FrequencyResponse, most: int) -> CurveParts:
                 "phase [degrees]",
                 [parts.curve("phase", (x, 0), (phase, 0), colour=1)],
                 when=when,
+                range=[-190.0, 190.0],
+                turn=360.0,
                 follows=True,
             )
             parts.chart(

@@ -168,10 +168,13 @@ class _Reduction:
     def _damped(self, motions: Floats) -> Floats:
         """Return those of rigid motions whose loss is more than the rounding of entries of the damping matrix.
 
-        Neutral motions are found as vibrations are, to some digits: their strains are small but not zero.
+        Neutral motions are found as vibrations are, to some digits: their strains are small but not zero. A damper on a
+        lever of round-off has the square of that as a part of the fastest rate.
         """
         loss = precise_form(self.D, self.pencil.linear.loss, motions)
-        noise = EPS * matrix_form(self.D, motions)[1]
+        inertia = self.M.diagonal()
+        fastest = (self.D.diagonal()[inertia > 0.0] / inertia[inertia > 0.0]).max(initial=0.0)
+        noise = EPS * matrix_form(self.D, motions)[1] + (10.0 * EPS) ** 2 * fastest
         noise = np.sqrt(noise[:, None] * noise)
         parts = np.divide(loss, noise, out=np.zeros_like(loss), where=noise > 0.0)
         values, turn = np.linalg.eigh(0.5 * (parts + parts.T))

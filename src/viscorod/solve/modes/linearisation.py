@@ -49,7 +49,8 @@ class Linearisation:
     ``gradients`` ``(rows, free)`` are those of further conditions on the motions; None where the basis fulfils them.
     The first ``rigid`` motions are free of stiffness and described by ``texts``; the first ``parts``, these among
     them, are rigid motions of the parts between joints. ``work`` and ``loss`` are the forms of
-    stiffness and damping without the round-off of entries; None where not known.
+    stiffness and damping without the round-off of entries; None where not known. ``levers`` ``(6 n,)`` are forces at
+    nodes times the length of the model [N m] for their rotations: round-off of a lever of length 0 is a part of it.
     """
 
     stiffness: sparse.csr_array
@@ -62,6 +63,7 @@ class Linearisation:
     texts: tuple[str, ...] = field(default=(), compare=False)
     work: Work | None = field(default=None, compare=False)
     loss: Work | None = field(default=None, compare=False)
+    levers: Floats | None = field(default=None, compare=False)
 
     @property
     def motions(self) -> int:
@@ -133,8 +135,16 @@ def linearise(
     inertia = np.zeros_like(damping_matrix.blocks)
     inertia[problem.pattern.diagonal[: problem.size]] = np.swapaxes(problem.mass, 1, 2)
     mass = _within(supports, basis, inertia)
+    levers = _levers(system.internal, system.external, problem.length)
     whole = Linearisation(
-        tangent.stiffness, damping, mass, basis, tangent.gradients, work=tangent.work, loss=tangent.loss
+        tangent.stiffness,
+        damping,
+        mass,
+        basis,
+        tangent.gradients,
+        work=tangent.work,
+        loss=tangent.loss,
+        levers=levers,
     )
     found, parts = whole, None
     if not surely_held(problem):
@@ -232,7 +242,16 @@ def _apart(
         tuple(m.text for m in motions),
         None if whole.work is None else whole.work.within(T),
         None if whole.loss is None else whole.loss.within(T),
+        whole.levers,
     )
+
+
+def _levers(internal: Floats, external: Floats, length: float) -> Floats:
+    """Return the forces at all nodes ``(N, 6)`` times a length for their rotations, 0 for displacements ``(6 N,)``."""
+    found = np.zeros((len(internal), 6))
+    size = np.maximum(np.linalg.norm(internal[:, :3], axis=1), np.linalg.norm(external[:, :3], axis=1))
+    found[:, 3:] = length * size[:, None]
+    return found.ravel()
 
 
 def _moving(motions: Floats) -> Floats:

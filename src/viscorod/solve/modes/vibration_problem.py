@@ -26,6 +26,7 @@ class VibrationProblem:
     def __init__(self, linear: Linearisation) -> None:
         k = linear.rigid
         self.basis, self.gradients, self.work = linear.basis, linear.gradients, linear.work
+        self.levers = linear.levers
         self.motions, self.k = linear.motions, k
         self.K = sparse.csr_array(0.5 * (linear.stiffness + linear.stiffness.T))
         self.M = linear.mass
@@ -126,8 +127,11 @@ class VibrationProblem:
 
     def neutral(self, squares: Floats, shapes: Floats, sizes: Floats | None = None) -> np.ndarray:
         """Return which shapes, of unit inertia, have no stiffness but round-off; ``sizes`` as in :meth:`refined`."""
-        found = np.abs(squares) <= 10.0 * EPS * (self.sizes(shapes) if sizes is None else sizes)
+        levers = np.zeros(shapes.shape[1])
+        if self.levers is not None:
+            levers = self.levers @ np.abs(self.basis @ shapes) ** 2
+        found = np.abs(squares) <= 10.0 * EPS * ((self.sizes(shapes) if sizes is None else sizes) + levers)
         if self.work is not None and found.any():
             _, size = self.work.form(shapes[:, found])
-            found[found] = np.abs(squares[found]) <= 10.0 * EPS * size
+            found[found] = np.abs(squares[found]) <= 10.0 * EPS * (size + levers[found])
         return found

@@ -114,7 +114,8 @@ viscorod.energyChart = function (place, energy, x, array, common) {
   const layers = energy.stacked.length;
   const sums = [];
   for (let k = 0; k < layers; k++) sums.push(k ? rows[k].map((value, j) => value + sums[k - 1][j]) : rows[0]);
-  const fills = layers === 1 ? ["#56b4e9"] : ["#009e73", "#e69f00", "#56b4e9", "#0072b2"].slice(-layers);
+  const areas = layers === 1 ? [1] : [3, 2, 1, 0].slice(-layers);
+  const fills = areas.map((k) => () => viscorod.style(`--area-${k}`));
   const told = viscorod.toldOf(rows);
   const own = (row) => (_, v, __, index) => (v === null || index === null || index === undefined ? "" : told(row[index]));
   // the highest first, so that lower ones are drawn over it
@@ -137,8 +138,8 @@ viscorod.decayChart = function (place, decay, common) {
   const value = (_, v) => (v === null || v === undefined ? "" : viscorod.text(v));
   const name = decay.limit_name;
   const series = [
-    { label: "damping ratio of the cycle", stroke: "#009e73", width: decay.scattered ? 0 : 1.2, points: { show: true, size: 8, fill: "#009e73" }, value },
-    { label: name, stroke: "#b06f00", width: 1.6, dash: [6, 4], points: { show: false }, value },
+    { label: "damping ratio of the cycle", stroke: viscorod.PALETTE[2], width: decay.scattered ? 0 : 1.2, points: { show: true, size: 8, fill: viscorod.PALETTE[2] }, value },
+    { label: name, stroke: () => viscorod.style("--bound"), width: 1.6, dash: [6, 4], points: { show: false }, value },
   ];
   const yRange = () => [1.2 * least, most > 0 ? 1.2 * most : 0.1];
   return new viscorod.Chart(place, { ...common, height: 200, yLabel: "ratio", yRange, series }, [x, decay.ratio, x.map(() => decay.limit)], common.goTo);

@@ -1,9 +1,9 @@
 "use strict";
 /* A chart of curves that may turn back: lines, points, marks, and the chosen place on each. Drawn as SVG. */
 
-viscorod.COLOURS = ["#0072b2", "#e69f00", "#009e73", "#cc79a7", "#56b4e9", "#7a5c00", "#005f46", "#777777"];
+viscorod.COLOURS = Array.from({ length: 8 }, (_, k) => `var(--many-${k})`);
 
-viscorod.markColour = (kind) => (kind.startsWith("limit") ? "#d55e00" : "var(--ink)");
+viscorod.markColour = (kind) => (kind.startsWith("limit") ? "var(--needle)" : "var(--ink)");
 
 /* About `count` round numbers between two; powers of ten, with 2 and 5 where these are few, on a logarithmic axis. */
 viscorod.ticks = function (low, high, count, log) {
@@ -182,12 +182,15 @@ viscorod.CurveChart = class {
       return;
     }
     const dashed = curve.dashed ? this.row(curve.dashed, this.at) : null;
+    const whole = this.chart.turn || Infinity;
+    const jumps = (k) => k < x.length && Math.abs(y[k] - y[k - 1]) > 0.5 * whole; // an angle passes half a turn
     let piece = [point(0)];
     for (let k = 1; k < x.length; k++) {
+      if (jumps(k)) { piece = [point(k)]; continue; }
       piece.push(point(k));
       const kind = dashed !== null && (dashed[k - 1] !== 0 || dashed[k] !== 0);
       const next = k + 1 < x.length && dashed !== null && (dashed[k] !== 0 || dashed[k + 1] !== 0);
-      if (k + 1 === x.length || kind !== next) {
+      if (k + 1 === x.length || kind !== next || jumps(k + 1)) {
         const look = { points: piece.join(" "), fill: "none", stroke, opacity, "stroke-width": clear && this.brought !== null ? 2.6 : 1.7 };
         if (kind) look["stroke-dasharray"] = "5 4";
         this.add(this.inner, "polyline", look);
@@ -229,7 +232,7 @@ viscorod.CurveChart = class {
     if (!this.chart.follows) return;
     for (const curve of this.chart.curves) {
       const [x, y] = [this.row(curve.x, at), this.row(curve.y, at)];
-      this.add(this.over, "circle", { cx: this.sx(x[at]), cy: this.sy(y[at]), r: 4.5, fill: "#d55e00", stroke: "#fff", "stroke-width": 1, class: "chosen" });
+      this.add(this.over, "circle", { cx: this.sx(x[at]), cy: this.sy(y[at]), r: 4.5, fill: "var(--needle)", stroke: "var(--page)", "stroke-width": 1, class: "chosen" });
     }
   }
 };

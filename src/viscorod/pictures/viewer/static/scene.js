@@ -55,7 +55,7 @@ viscorod.Space = class {
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute("position", new THREE.BufferAttribute(at.slice(3 * ring, 3 * (ring + line.rings)), 3));
       const size = 0.012 * this.meta.look.size;
-      const dashes = new THREE.LineDashedMaterial({ color: viscorod.COLOUR.reference, dashSize: size, gapSize: 0.7 * size });
+      const dashes = viscorod.painted(new THREE.LineDashedMaterial({ dashSize: size, gapSize: 0.7 * size }), viscorod.COLOUR.reference);
       const curve = new THREE.Line(geometry, dashes);
       curve.computeLineDistances();
       group.add(curve);
@@ -82,12 +82,10 @@ viscorod.Space = class {
   /* Take the colours of the page, which is light or dark. */
   dress() {
     this.renderer.setClearColor(viscorod.style("--page"));
-    const ink = viscorod.style("--ink");
     this.scene.traverse(({ material }) => {
-      if (!material || !material.color) return;
-      material.userData.ink ??= `#${material.color.getHexString()}` === viscorod.COLOUR.support;
-      if (material.userData.ink) material.color.set(ink);
+      if (material?.userData?.colour) viscorod.painted(material, material.userData.colour);
     });
+    if (!this.field) this.colour();
     this.grid.clear();
     this.grid.add(this.gridBelow());
     this.refresh();
@@ -101,7 +99,7 @@ viscorod.Space = class {
       for (const count of counts) {
         const geometry = new THREE.BufferGeometry();
         geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * count), 3));
-        const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: viscorod.GHOSTS[k % 3] }));
+        const line = new THREE.Line(geometry, viscorod.painted(new THREE.LineBasicMaterial(), viscorod.GHOSTS[k % 3]));
         line.frustumCulled = false;
         line.userData = { array: this.arrays[array], first };
         group.add(line);
@@ -150,10 +148,10 @@ viscorod.Space = class {
     for (const part of triad.children) {
       const at = (name) => 0.84 * Number(part.getAttribute(name) || 0);
       if (part.tagName === "text") {
-        write(part.textContent, 46 + at("x") - 4, foot - 46 + at("y") - 7, part.getAttribute("fill"), font);
+        write(part.textContent, 46 + at("x") - 4, foot - 46 + at("y") - 7, getComputedStyle(part).fill, font);
         continue;
       }
-      pen.strokeStyle = part.getAttribute("stroke");
+      pen.strokeStyle = getComputedStyle(part).stroke;
       pen.lineWidth = 2;
       pen.beginPath();
       pen.moveTo(46, foot - 46);
@@ -169,13 +167,13 @@ viscorod.Space = class {
     const box = document.getElementById("labels");
     return this.symbols.names.slice(0, 24).map((name) => {
       const tag = document.createElement("span");
-      tag.style.color = name.colour === viscorod.COLOUR.support ? "var(--ink)" : name.colour;
+      tag.style.color = `var(${name.colour})`;
       box.append(tag);
       return { ...name, tag };
     });
   }
 
-  /* All that a place passes through; what it has passed is darker. */
+  /* All that a place passes through; what it has passed stands out. */
   leaveTrace(mark) {
     for (const line of this.trace.children) line.geometry.dispose();
     this.trace.clear();
@@ -185,10 +183,10 @@ viscorod.Space = class {
     const points = new Float32Array(3 * count);
     const row = new Float32Array(marks.row);
     for (let k = 0; k < count; k++) points.set(viscorod.between(marks, k, 0, row).subarray(3 * mark, 3 * mark + 3), 3 * k);
-    for (const colour of ["#b9d7ea", viscorod.COLOUR.trace]) {
+    for (const colour of [viscorod.COLOUR.coming, viscorod.COLOUR.trace]) {
       const geometry = new THREE.BufferGeometry();
       geometry.setAttribute("position", new THREE.BufferAttribute(points, 3));
-      const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: colour }));
+      const line = new THREE.Line(geometry, viscorod.painted(new THREE.LineBasicMaterial(), colour));
       line.frustumCulled = false;
       line.renderOrder = colour === viscorod.COLOUR.trace ? 2 : 1;
       this.trace.add(line);
@@ -228,7 +226,7 @@ viscorod.Space = class {
 
   colour() {
     if (!this.field) {
-      const plain = new THREE.Color("#0072b2").toArray();
+      const plain = new THREE.Color(viscorod.style("--rod")).toArray();
       this.surface.draw(() => plain);
       return;
     }
@@ -289,7 +287,7 @@ viscorod.Space = class {
     }
     for (const { name, axis } of axes) {
       const [line, text] = triad.querySelectorAll(`[data-axis="${name}"]`);
-      const colour = { x: "#b3420a", y: "#00694d", z: "#005b8f" }[name];
+      const colour = `var(--name-${name})`;
       line.setAttribute("x2", 34 * axis.x);
       line.setAttribute("y2", -34 * axis.y);
       line.setAttribute("stroke", colour);

@@ -1,8 +1,16 @@
 "use strict";
 /* Supports, bodies, joints, springs and loads: groups that follow their marks. */
 
-viscorod.GHOSTS = ["#d55e00", "#cc79a7", "#7a5c00"];
-viscorod.COLOUR = { support: "#222222", body: "#009e73", joint: "#e69f00", spring: "#a0487b", load: "#d12a1e", trace: "#0072b2", reference: "#8a8a8a" };
+/* Names of colours of the page, which is light or dark. */
+viscorod.GHOSTS = ["--ghost-0", "--ghost-1", "--ghost-2"];
+viscorod.COLOUR = { support: "--ink", body: "--body", joint: "--joint", spring: "--spring", load: "--load", trace: "--trace", coming: "--coming", reference: "--reference" };
+
+/* Give a material a colour of the page, which it keeps when that becomes light or dark. */
+viscorod.painted = function (material, name) {
+  material.userData.colour = name;
+  material.color.set(viscorod.style(name));
+  return material;
+};
 
 viscorod.Symbols = class {
   constructor(meta, arrays, size) {
@@ -23,7 +31,7 @@ viscorod.Symbols = class {
   }
 
   material(colour, opacity = 1) {
-    return new THREE.MeshLambertMaterial({ color: colour, transparent: opacity < 1, opacity, depthWrite: opacity === 1 });
+    return viscorod.painted(new THREE.MeshLambertMaterial({ transparent: opacity < 1, opacity, depthWrite: opacity === 1 }), colour);
   }
 
   point(mark, out = new THREE.Vector3()) {
@@ -78,13 +86,13 @@ viscorod.Symbols = class {
     this.follow(group, mark);
     for (const other of fixed) this.line([mark, other], held ? viscorod.COLOUR.support : viscorod.COLOUR.body);
     this.kinds.set("body", [this.meta.scene.bodies.length > 1 ? "bodies" : "body", viscorod.COLOUR.body]);
-    if (!held) this.names.push({ text: () => label, mark, colour: "#00694d", of: "parts" });
+    if (!held) this.names.push({ text: () => label, mark, colour: "--name-body", of: "parts" });
   }
 
   line(marks, colour) {
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * marks.length), 3));
-    const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: colour }));
+    const line = new THREE.Line(geometry, viscorod.painted(new THREE.LineBasicMaterial(), colour));
     line.frustumCulled = false;
     this.parts.add(line);
     this.followers.push(() => {
@@ -112,7 +120,7 @@ viscorod.Symbols = class {
       this.spring(marks, colour);
     }
     this.kinds.set(kind, [kind === "joint" ? "joints" : "springs", colour]);
-    this.names.push({ text: () => label, mark: marks[1], colour: kind === "joint" ? "#8a5a00" : colour, of: "parts" });
+    this.names.push({ text: () => label, mark: marks[1], colour: `--name-${kind}`, of: "parts" });
   }
 
   /* A coil between two marks, as wide as it is legible. */
@@ -120,7 +128,7 @@ viscorod.Symbols = class {
     const count = 181;
     const geometry = new THREE.BufferGeometry();
     geometry.setAttribute("position", new THREE.BufferAttribute(new Float32Array(3 * count), 3));
-    const line = new THREE.Line(geometry, new THREE.LineBasicMaterial({ color: colour }));
+    const line = new THREE.Line(geometry, viscorod.painted(new THREE.LineBasicMaterial(), colour));
     line.frustumCulled = false;
     this.parts.add(line);
     const turn = new THREE.Quaternion();
@@ -184,7 +192,7 @@ viscorod.Symbols = class {
     });
     this.kinds.set("load", ["loads", viscorod.COLOUR.load]);
     const text = () => (now > 1e-9 * largest ? `${label}: ${viscorod.text(now * scale, 3)} ${unit}` : "");
-    this.names.push({ text, point: tip, colour: viscorod.COLOUR.load, of: "loads" });
+    this.names.push({ text, point: tip, colour: "--name-load", of: "loads" });
   }
 
   move(k, part) {

@@ -365,7 +365,7 @@ viscorod.connect = function (space, meta, arrays, option, $) {
   for (const [text, colour] of legend) {
     const entry = document.createElement("span");
     const patch = document.createElement("i");
-    patch.style.background = colour === viscorod.COLOUR.support ? "var(--ink)" : colour;
+    patch.style.background = `var(${colour})`;
     entry.append(patch, text);
     $("legend").append(entry);
   }

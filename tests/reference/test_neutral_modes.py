@@ -1,0 +1,42 @@
+"""Motions that loads and strains leave free: each is listed once, at 0 Hz, whatever round-off makes of them."""
+
+import numpy as np
+import pytest
+import scipy.linalg
+
+import viscorod as vr
+
+
+@pytest.mark.parametrize("below", [0.0, 0.1])
+def test_a_body_on_two_strings_swings_as_a_double_pendulum(below: float) -> None:
+    """Closed form: a massless string of length l, a body of radius of gyration k at a distance d below its end.
+
+    ``[[l^2, l d], [l d, d^2 + k^2]] x'' + g [[l, 0], [0, d]] x = 0`` across the plane of the strings. With d = 0 the
+    turn about the line of both ends is neutral: it stood twice in the list, as "swing 1" at 1.6e-8 Hz.
+    """
+    mass, g, half = 2.0, 9.81, (0.5, 0.1, 0.1)
+    light = vr.Material(1e9, 0.3, 1e-3, damping=vr.KelvinVoigt(0.01, 0.01))
+    model = vr.Model()
+    places = {"left": (-0.5, 0, below), "right": (0.5, 0, below)}
+    model.add("body", vr.Box(tuple(2.0 * size for size in half), mass=mass, points=places))
+    for name, (x, y, z) in places.items():
+        string = vr.Rod.straight(
+            (x, y, z + 1.0), (x, y, z), section=vr.Circle(0.002), material=light, elements=1
+        )
+        model.add(name, string)
+        model.pin(f"{name}.start")
+        model.ball(f"{name}.end", f"body.{name}")
+    model.gravity()
+    modes = model.modes(7)
+    length = 1.0 + 0.5 * mass * g / (1e9 * np.pi * 0.002**2)
+    gyration = (half[1] ** 2 + half[2] ** 2) / 3.0
+    inertia = np.array([[length**2, length * below], [length * below, below**2 + gyration]])
+    squares = scipy.linalg.eigh(g * np.diag([length, below]), inertia, eigvals_only=True)
+    neutral = 3 if below == 0.0 else 2  # the twists of the strings are free
+    assert modes.rigid == neutral
+    assert (modes.frequencies[:neutral] == 0.0).all()
+    wanted = np.sqrt(squares[squares > 1e-9]) / (2.0 * np.pi)
+    for frequency in wanted:
+        assert np.abs(modes.frequencies / frequency - 1.0).min() < 1e-6
+    assert len(set(modes.names)) == len(modes.names)
+    assert (modes.frequencies[neutral:] > 0.1).all()
