@@ -40,3 +40,25 @@ def test_a_body_on_two_strings_swings_as_a_double_pendulum(below: float) -> None
         assert np.abs(modes.frequencies / frequency - 1.0).min() < 1e-6
     assert len(set(modes.names)) == len(modes.names)
     assert (modes.frequencies[neutral:] > 0.1).all()
+
+
+def test_a_hinge_whose_stiffness_is_round_off_turns_freely():
+    """Linear motions about the reference shape are those of the other formulation, to second order of the turn.
+
+    A stiffness of 1e-53 passed for a number to divide by, and the search for modes ended in an error of LAPACK.
+    """
+    model = vr.Model()
+    held = ("shear_1", "shear_2", "stretch")
+    material = vr.Material(70e9, poissons_ratio=0.3, density=2700.0)
+    section = vr.Rectangle(0.02, 0.02)
+    bar = vr.Rod.straight(
+        (0, 0, 0), (0, 0, -1), section=section, material=material, elements=2, constraints=held, d1=(0, 1, 0)
+    )
+    model.add("bar", bar)
+    model.revolute("bar.start", "ground", (0, 1, 0))
+    model.force("bar.end", (3.0, 0, 0))
+    moved = []
+    for settings in ({"formulation": "intrinsic", "dynamics": "linear", "damping": "linearised"}, {}):
+        run = model.simulate(0.004, initial="reference", **settings)
+        moved.append(float(run.history("bar.end", "displacement").sel(axis="x")[-1]))
+    assert moved[0] == pytest.approx(moved[1], rel=1e-4)

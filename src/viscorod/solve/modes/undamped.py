@@ -181,10 +181,13 @@ def _of_full_matrices(linear: Linearisation, precise: float = PRECISE) -> Undamp
 
 
 def _indefinite(K: Floats, M: Floats) -> tuple[Floats, Floats]:
-    """Return eigenvalues and vectors of ``K x = w^2 M x`` where ``K`` is not positive definite."""
+    """Return eigenvalues and vectors of ``K x = w^2 M x`` where ``K`` is not positive definite.
+
+    It is inverted with a shift that rounding does not hide: a hinge that turns freely may leave 1e-53 in place of a 0.
+    """
     try:
-        lowest = float(scipy.linalg.eigh(K, M, eigvals_only=True)[0])
-        shift = 2.0 * abs(lowest)
+        found = scipy.linalg.eigh(K, M, eigvals_only=True)
+        shift = max(2.0 * abs(float(found[0])), EPS * abs(float(found[-1])))
         for _ in range(20):
             try:
                 inverse, shapes = scipy.linalg.eigh(M, K + shift * M)
