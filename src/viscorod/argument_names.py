@@ -86,13 +86,16 @@ def _require_once(
 
 
 def known_arguments(kind: C) -> C:
-    """Let a class, and all public methods that it defines, tell of arguments that are missing or not known."""
+    """Let a class, and all public methods that it defines, tell of arguments that are missing or not known.
+
+    Static methods are left as they are: they are formulas of section laws, which compiled code calls.
+    """
     for name, found in list(vars(kind).items()):
-        plain = found.__func__ if isinstance(found, classmethod | staticmethod) else found
+        plain = found.__func__ if isinstance(found, classmethod) else found
         if (name.startswith("_") and name != "__init__") or not inspect.isfunction(plain):
             continue
         told = telling(plain)
-        setattr(kind, name, type(found)(told) if plain is not found else told)
+        setattr(kind, name, classmethod(told) if isinstance(found, classmethod) else told)
     return kind
 
 

@@ -28,6 +28,7 @@ def methods(name, kind):
         plain = getattr(raw, "__func__", raw)
         if (
             word.startswith("_")
+            or isinstance(raw, staticmethod)  # formulas of section laws, which compiled code calls
             or not inspect.isfunction(plain)
             or plain.__module__.partition(".")[0] != "viscorod"
         ):
