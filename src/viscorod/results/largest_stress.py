@@ -27,6 +27,8 @@ __all__ = ["LargestStress", "largest_stress", "peak_stresses"]
 
 AT_ONCE = 32
 """States of a section whose stresses are computed together."""
+ALIKE = 1e-9
+"""Part by which stresses on both sides of a symmetric section differ by round-off."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +126,8 @@ def _larger(
         if best is not None and bound[chosen[0]] <= best.value:
             break
         size = von_mises(section.fields(samples, parts.at(chosen)).stress)
-        row, n = (int(i) for i in np.unravel_index(int(np.argmax(size)), size.shape))
+        row = int(np.argmax(size.max(axis=1)))
+        n = _uppermost(samples.points, size[row])
         if best is None or size[row, n] > best.value:
             state, k = divmod(int(chosen[row]), len(places.s))
             x, y = samples.points[n].tolist()
@@ -132,6 +135,15 @@ def _larger(
             value, s = float(size[row, n]), float(places.s[k])
             best = LargestStress(value, places.rods[k], s, (x, y), first + state, level, ())
     return best
+
+
+def _uppermost(points: Floats, size: Floats) -> int:
+    """Return the number of the point of the largest stress; of points that mirror each other, that farthest along d2.
+
+    Otherwise round-off, and so the processor, would choose.
+    """
+    alike = np.flatnonzero(size >= (1.0 - ALIKE) * size.max())
+    return int(alike[np.lexsort(points[alike].T)[-1]])
 
 
 def _places(result: Result, missing: list[str]) -> Iterator[_Places]:
