@@ -317,7 +317,10 @@ def test_own_load_in_small_motions():
     assert found == pytest.approx(by_spring(lambda model: model.modes(3).frequencies), rel=1e-4)
     ports = {"inputs": f"{TIP} fy", "outputs": f"{TIP} uy"}
     frequencies = [0.1, 0.25, 0.4]
-    respond = lambda model: model.frequency_response(**ports, frequencies=frequencies).response(f"{TIP} uy")  # noqa: E731
+
+    def respond(model):
+        return model.frequency_response(**ports, frequencies=frequencies).response(f"{TIP} uy")
+
     own, spring = both(respond)
     assert own == pytest.approx(spring, rel=1e-5)
     found = pulled(True).frequency_response(**ports, frequencies=frequencies, derivatives=[S])

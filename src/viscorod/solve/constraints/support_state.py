@@ -6,7 +6,6 @@ import numpy as np
 from scipy import sparse
 
 from viscorod.mechanics.compilation.known_types import KnownTypes
-from viscorod.mechanics.nodes import inertia
 from viscorod.mechanics.nodes import support_rows as supports
 from viscorod.mechanics.nodes.nodes_held_in_part import correct_poses, project_twists
 from viscorod.mechanics.nodes.prescribed_motion import prescribed_motion
@@ -264,22 +263,6 @@ class SupportState:
         given = self.nodes, self.partial, self.target
         correct(*given, state.r, state.q, supports.Directions.of(1), np.empty((1, 6)))
         self.project_twists(state)
-
-    def add_inertia(self, state: State, residual: Floats) -> None:
-        """Add the inertial forces of fully supported nodes, whose accelerations are known, to ``residual (n, 6)``."""
-        nodes = self.set.nodes[self.complete]
-        if not self.moving or len(nodes) == 0:
-            return
-        force = np.zeros((len(nodes), 6))
-        inertia.add_coriolis(self.problem.mass[nodes], state.twist[nodes], force)
-        residual[nodes] += force
-        self.add_acceleration(residual)
-
-    def add_acceleration(self, residual: Floats) -> None:
-        """Add mass times the known rate of the twist of fully supported nodes to ``residual (n, 6)``."""
-        nodes = self.set.nodes[self.complete]
-        if self.moving and len(nodes):
-            residual[nodes] += np.einsum("nij,nj->ni", self.problem.mass[nodes], self.twist_rate)
 
 
 @once_of_layout
