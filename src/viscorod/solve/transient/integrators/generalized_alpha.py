@@ -29,6 +29,9 @@ from viscorod.solve.transient.integrators.step_recorder import interpolate_state
 from viscorod.solve.transient.time_step import first_time_step
 from viscorod.typing import Floats
 
+START = 2
+"""Steps of TR-BDF2 at the start: what a sudden load jumps is behind the first, so that the second shows the rate."""
+
 ERROR_CONSTANT = 1.0 / 6.0
 """Estimated error of a step over ``h (x1' - x1 - h rate)``, the third derivative of the pose times h^3."""
 
@@ -48,6 +51,7 @@ class GeneralizedAlpha(MomentumModel):
     estimate_order = 2
     looks_within = False
     records = 1
+    _starting = START
     seen_by_halving = 1.0
     """Halves are computed by the method of the first step, whose error in them is a tenth of that of a whole step."""
 
@@ -70,7 +74,7 @@ class GeneralizedAlpha(MomentumModel):
         system.constraints.track_angles()
         self.kinetic = inertia.momenta(mass, state.r, state.q, state.twist, self._momentum)
         system.viscous_loss(0.0)
-        self._fresh = True
+        self._starting = START
         self._rate = np.zeros_like(state.twist)
         self.t = t
         self.state = state
@@ -119,8 +123,8 @@ class GeneralizedAlpha(MomentumModel):
     def attempt(self, end: float, *, before: bool) -> StepReport:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
         self._end = end
-        if self._fresh:
-            return self._first_step(end, before=before)
+        if self._starting:
+            return self._starting_step(end, before=before)
         h = end - self.t
         c, old = self.coefficients, self.state
         slope = (1.0 - c.mass) / ((1.0 - c.force) * c.gamma * h)
@@ -135,8 +139,8 @@ class GeneralizedAlpha(MomentumModel):
         self._trial = relation, self._solve(end, before, relation, predicted.copy())
         return self._with_error(self._trial[1], 0)
 
-    def _first_step(self, end: float, *, before: bool) -> StepReport:
-        """Start with TR-BDF2 (Bank et al. 1985), of two stages, of second order and L-stable.
+    def _starting_step(self, end: float, *, before: bool) -> StepReport:
+        """Take a step of the start by TR-BDF2 (Bank et al. 1985), of two stages, of second order and L-stable.
 
         What a sudden load does to the fastest modes at the start is gone at its end. Methods that do not know the
         accelerations at the start give those that supports, motors and joints prescribe several times over, and the
@@ -189,16 +193,16 @@ class GeneralizedAlpha(MomentumModel):
         h = self._end - began
         self._start = self.state, self._snapshot
         self._take_solution(solution, relation, self._end)
-        if self._fresh:
+        if self._starting:
+            self._starting -= 1
             # means of twists are those at t + (am - af) h (Arnold, Bruels and Cardona 2015): taken at t, they make
             # forces of what is prescribed ring. Those of wrenches stay, which a sudden load changes within the step
             apart = self.coefficients.mass - self.coefficients.force
             self._wrench_mean = self._wrench.copy()
             self._twist_mean = self.state.twist + apart * h * self._rate
             self._project_velocities()
-            if self.step_tolerance is None:
+            if self._starting and self.step_tolerance is None:
                 self._rate[:] = 0.0  # the first difference still holds the jump
-            self._fresh = False
         else:
             mean, c1 = self._wrench_mean, 1.0 - self.coefficients.gamma
             self._wrench_mean = (
@@ -232,7 +236,7 @@ class GeneralizedAlpha(MomentumModel):
 
     def snapshot(self) -> Snapshot:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        if self._fresh or self.system.constraints.rows == 0:
+        if self._starting == START or self.system.constraints.rows == 0:
             return self._snapshot
         found, left = with_allowed_velocities(
             self.system.constraints, self._snapshot, self.system.matrix.solve
@@ -282,4 +286,4 @@ class GeneralizedAlpha(MomentumModel):
     def begin_half(self, whole: Integrator, place: float) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: means of other steps do not serve."""
         del whole, place
-        self._fresh = True
+        self._starting = START

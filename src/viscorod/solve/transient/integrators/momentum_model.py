@@ -96,7 +96,6 @@ class MomentumModel:
         self._wrench_mean: Floats = np.zeros((n, 6))  # b
         self._rate: Floats = np.zeros((n, 6))  # of the twists, for predicting
         self._map = np.zeros((n, 6, 6))
-        self._fresh = True
         self._held = supports.set.nodes[supports.complete]
         self._retract, self._add_rate = KnownTypes(retract), KnownTypes(inertia.add_momentum_rate)
         self.newton = BalanceIteration(system, supports, self._map)
