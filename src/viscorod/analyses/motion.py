@@ -41,7 +41,8 @@ from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
 from viscorod.solve.transient.saved_state import SavedTree, restore, saved
-from viscorod.solve.transient.transient_solver import Transient, TransientResult
+from viscorod.solve.transient.transient_result import TransientResult
+from viscorod.solve.transient.transient_solver import Transient
 
 if TYPE_CHECKING:
     import xarray as xr
