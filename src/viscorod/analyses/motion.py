@@ -89,7 +89,7 @@ def _motion(
     options = discrete.options
     state, began_from = initial_state(discrete, settings)
     linear = cache(partial(small_motions, discrete, settings, state))
-    if discrete.watch.feasible or settings.events or settings.modes or settings.dynamics == "linear":
+    if discrete.watch.affordable or settings.events or settings.modes or settings.dynamics == "linear":
         linear()
     else:  # where the stresses are those of the start in any case
         discrete.static.restore(state, 0.0, before=True, scale=held_part(settings))
