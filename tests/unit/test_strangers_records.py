@@ -446,3 +446,48 @@ def test_what_is_doubtful_about_a_table_of_moduli_is_a_warning(text, message, tm
     file.write_text(text)
     with pytest.warns(UserWarning, match=message):
         vr.ModuliRecord.read(str(file))
+
+
+def test_a_table_of_modes_with_columns_of_what_is_uncertain(tmp_path):
+    """Of a decrement d with deviation u the ratio d/(2 pi) has u/(2 pi) where it is small."""
+    file = tmp_path / "modes.csv"
+    file.write_text(
+        "Mode;f [Hz];u(f) [Hz];zeta [%];u(zeta) [%];d;ud\n1;10,2;0,02;0,5;0,1;0,04;0,01\n3;64;0,2;0,4;0,2;0,03;0,02\n"
+    )
+    table = {
+        "kind": "modes",
+        "file": "modes.csv",
+        "frequency": "f",
+        "frequency_noise": "u(f)",
+        "modes": "Mode",
+    }
+    found = record_of({**table, "damping_ratio": "zeta", "ratio_noise": "u(zeta)"}, tmp_path)
+    assert found.modes == (1, 3)
+    assert found.observed == pytest.approx([10.2, 64.0, 0.005, 0.004])
+    assert found.noise == pytest.approx([0.02, 0.2, 0.001, 0.002])
+    about = {"damping_ratio": "d", "ratio_noise": "ud", "damping_as": "log_decrement"}
+    other = record_of({**table, **about}, tmp_path)
+    assert other.noise[2:] == pytest.approx(np.array([0.01, 0.02]) / (2.0 * np.pi), rel=1e-3)
+    same = record_of({**table, "damping_ratio": "zeta", "ratio_noise": 0.001, "modes": [1, 3]}, tmp_path)
+    assert same.noise == pytest.approx([0.02, 0.2, 0.001, 0.001])
+
+
+def test_loads_there_and_back_are_one_branch_each(tmp_path):
+    file = tmp_path / "pull.csv"
+    file.write_text("Mass [kg],Way [mm]\n0,0\n1,2\n2,4\n1,2.5\n0,0.5\n")
+    table = {"kind": "static", "file": "pull.csv", "place": "beam.end", "direction": "y"}
+    with pytest.raises(
+        vr.InputError, match=r"column Mass has masses, and a force is needed; give load_unit = 'kgf'"
+    ):
+        record_of(table, tmp_path)
+    table["load_unit"] = "kgf"
+    with pytest.raises(
+        vr.InputError, match=r"go up to 19.6133 in row 3, and back; give branch = 'loading' or"
+    ):
+        record_of(table, tmp_path)
+    for branch, way in (("loading", [0.0, 2.0, 4.0]), ("unloading", [0.5, 2.5, 4.0])):
+        found = record_of({**table, "branch": branch}, tmp_path)
+        assert found.loads == pytest.approx(9.80665 * np.arange(3.0))
+        assert found.values == pytest.approx(1e-3 * np.array(way))
+    with pytest.raises(vr.InputError, match=r"branch: 'up': it is not known; use loading or unloading"):
+        record_of({**table, "branch": "up"}, tmp_path)

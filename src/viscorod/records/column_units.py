@@ -10,7 +10,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.unit_text import Dimension, factor_of
 from viscorod.units import si_of, si_value
 
-__all__ = ["COUNTS", "is_unit", "name_and_unit", "si_factor", "si_size_and_kind"]
+__all__ = ["COUNTS", "is_unit", "name_and_unit", "si_factor", "si_size_and_kind", "weight_of"]
 
 GRAVITY = 9.80665
 """m/s^2 of the unit g of accelerometers."""
@@ -28,6 +28,8 @@ _SPELT = {
 _RAISED = str.maketrans("¹²³", "123")
 _GRAVITIES = {"g": 1.0, "G": 1.0, "gn": 1.0, "mg": 1e-3, "mG": 1e-3, "ug": 1e-6, "µg": 1e-6}
 """Units of accelerometers, in `GRAVITY`: of an acceleration g is no gram."""
+WEIGHTS = {"kg": "kgf", "g": "gf", "lb": "lbf", "lbs": "lbf", "oz": "ozf", "t": "tf"}
+"""Units of masses, and of their weights."""
 _PLAIN_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
 COUNTS = (
     "VOLT",
@@ -84,6 +86,11 @@ def _number_and_unit(text: str) -> tuple[float | None, str]:
     if found is None or (found[2] is not None and float(found[2]) == 0.0):
         return None, text
     return float(found[1]) / float(found[2] or 1.0), found[3]
+
+
+def weight_of(written: str, unit: str) -> str | None:
+    """Return the unit of force that a unit of mass weighs, where one of force is needed; None of all others."""
+    return WEIGHTS.get(written.strip()) if unit == "N" else None
 
 
 def si_size_and_kind(source: str, column: str, written: str) -> tuple[float, Dimension]:

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
-from viscorod.records.column_units import COUNTS, name_and_unit, si_factor
+from viscorod.records.column_units import COUNTS, name_and_unit, si_factor, weight_of
 from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
 
@@ -134,6 +134,14 @@ class Columns:
                     f"give {argument}, the size of one, such as {argument}='0.21 {unit}'",
                 )
             written = None
+        if written is not None and (force := weight_of(written, unit)) is not None:
+            if given is None:
+                raise self._refused(
+                    key, written, f"{column} has masses, and a force is needed",
+                    f"give {argument} = {force!r} where they hang, their weight at 9.80665 m/s^2",
+                )  # fmt: skip
+            if given == force:
+                written = None
         if (
             given is not None
             and written is not None
