@@ -42,7 +42,7 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         discrete.require_held(lambda: loads)
         state, first = unloaded(discrete), 0.0
     else:
-        state, first = equilibrium_near(discrete, settings.start, own_factor=True)
+        state, first, _ = equilibrium_near(discrete, settings.start, own_factor=True)
     history = History()
     last: list[Stability] = []
     displacement = None if settings.place is None else _displacement(discrete, settings)
