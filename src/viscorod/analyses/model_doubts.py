@@ -17,6 +17,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.model.rod_checks import reaching_centre
+from viscorod.model.rod_sections import doubts_of
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.section_shapes import Annulus, Circle
 from viscorod.solve.problem.problem import Problem
@@ -43,10 +44,12 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
         model: what the user said; problem: the model discretised; duration: of its motion [s], which tables of time
             should cover.
     """
+    damping = [f"rod {name}: {text}" for name, rod in model.rods.items() for text in doubts_of(rod)]
     shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
     tables = [text for where, table in _tables(model) for text in _of_table(where, table, duration)]
     return [
         *doubtful_numbers(model),
+        *damping,
         *shapes,
         *_loads(model),
         *_pushing(model),

@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.checks import checked
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.pictures.described_model import described
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.viewer.beside import Beside, Others
@@ -38,6 +38,7 @@ from viscorod.results.steady_result import Steady
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
+from viscorod.wording import show
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -88,12 +89,12 @@ def view(
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium | Modes | Steady | Buckling | StatelessResult):
-        what, instead = "result of another kind", "give a result"
+        instead = "give what an analysis returns, or viscorod.load of a file"
         if type(result).__name__ == "Sweep":
-            what, instead = "sweep", "give one of its members"
+            instead = "give one of its members"
         elif isinstance(result, list | tuple | dict):
-            what, instead = type(result).__name__, "give one motion, and the others as beside = [...]"
-        raise InputError(f"a {what} has no page; {instead}")
+            instead = "give one motion, and the others as beside = [...]"
+        raise InputError(Fault("result", show(result), "this has no page", instead))
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
