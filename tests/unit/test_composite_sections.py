@@ -212,9 +212,9 @@ def test_regions_meet_in_spite_of_round_off():
 
 def test_an_object_that_is_none_of_the_shapes_is_told_by_its_class():
     """It was told to be a table that lacks a key, which nobody has in Python."""
-    polygon = vr.PolygonSection(((0, 0), (1, 0), (1, 1)))
+    polygon = PolygonSection(((0, 0), (1, 0), (1, 1)))
     with pytest.raises(InputError, match=r"this cannot be a PolygonSection; give one of Circle, Annulus"):
-        vr.CompositeRegion(vr.Material(2e11, 0.3, 7850.0), polygon)
+        CompositeRegion(Material(2e11, 0.3, 7850.0), polygon)
 
 
 def test_rods_take_no_material_beside_a_composite_section():

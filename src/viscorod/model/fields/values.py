@@ -321,7 +321,9 @@ def choose(
         if isinstance(value, Definition):
             classes = ", ".join(kind.__name__ for kind in kinds.values())
             raise RefusedError(
-                f"this cannot be a {type(value).__name__}", f"give one of {classes}", found=type(value).__name__
+                f"this cannot be a {type(value).__name__}",
+                f"give one of {classes}",
+                found=type(value).__name__,
             )
         if not isinstance(value, Mapping):
             raise RefusedError(
