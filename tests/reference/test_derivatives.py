@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import viscorod as vr
-from viscorod.analyses.derivatives import motions
+from viscorod.analyses.derivatives import motions, orbits
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.derivatives.mode_shapes import ShapeRates
 from viscorod.analyses.derivatives.neighbours import Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.provenance import material_record
 from viscorod.analyses.start_state import StartState
-from viscorod.errors import InputError
+from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import dataset
 from viscorod.solve.constraints.support_state import SupportState
@@ -542,6 +543,37 @@ def test_small_periodic_motions_change_as_responses_do():
         assert np.abs(found.derivatives[key].frequencies).max() == 0.0
     with pytest.raises(InputError, match="free vibrations"):
         model.periodic(mode=1, largest=1e-3, outputs=["beam.end uz"], derivatives=keys)
+
+
+def test_periodic_motions_without_a_neighbour_leave_the_others_their_derivatives(monkeypatch):
+    """A fold, or what a superharmonic resonance sets off, beside one motion: that one has none, and it is told."""
+    model = bar(elements=2)
+    model.clamp("beam.start")
+    given = {"inputs": "beam.end fz", "outputs": ["beam.end uz"], "amplitudes": [1e-6], "derivatives": [E]}
+    span = {"frequencies": [12.0, 13.0], "points": 2, "harmonics": 3, "stability": False}
+
+    def others(found):
+        return found.harmonics(0)[1:, 1]
+
+    whole = model.periodic(**given, **span).derivatives[E].of(others)
+    alone = [12.0]
+
+    class Alone(orbits.OrbitSolver):
+        def solve(self, orbit, setting, *more, **named):
+            hertz = setting.omega / (2.0 * np.pi)
+            found = super().solve(orbit, setting, *more, **named)
+            return None if any(abs(hertz - one) < 1e-6 for one in alone) else found
+
+    monkeypatch.setattr(orbits, "OrbitSolver", Alone)
+    found = model.periodic(**given, **span)
+    assert found.derivatives[E].of(others) == pytest.approx(whole, rel=1e-12)
+    told = "no motion was found beside that of point 1 (12 Hz) for a slightly other"
+    assert told in found.derivatives[E].notes[0]
+    with pytest.raises(InputError, match=re.escape(told)):
+        found.derivatives[E].of(lambda all_of_them: all_of_them.harmonics(0)[:, 1])
+    alone += found.frequencies.tolist()
+    with pytest.raises(SolveError, match="Ask for frequencies or levels further off"):
+        model.periodic(**given, **span)
 
 
 def test_a_motion_knows_no_unit_of_mass():
