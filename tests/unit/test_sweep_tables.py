@@ -4,6 +4,7 @@ import gc
 import itertools
 import json
 import math
+import re
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from importlib import import_module
@@ -587,6 +588,8 @@ def test_what_all_members_share_has_no_lines_of_its_own(held):
     sweep = vr.sweep(held, values, constants=constants, quantities={"tip": TIP}, workers=1)
     (axes,) = sweep.plot().axes
     assert axes.get_xlabel() == f"{FORCE} [µN]"
+    assert re.fullmatch(r"tip \[[µnm]?m\]", axes.get_ylabel())  # what the words of a quantity read has a unit
+    assert sweep.data["tip"].attrs["units"] == "m"
     assert axes.get_legend() is None
     (line,) = (line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert list(line.get_xdata()) == [1e-4, 2e-4]

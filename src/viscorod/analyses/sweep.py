@@ -131,7 +131,7 @@ def sweep(
     # what is there already was looked at before
     some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])
     notes, read = checked(case, {k: rows[k] for k in some}, wanted, keep)
-    rows.units = units_of(case, rows)
+    rows.units = units_of(case, rows) | {one.name: one.unit for one in wanted if one.unit}
     if errors is None and len(looked) < len(rows):
         notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
