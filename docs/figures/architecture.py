@@ -42,6 +42,7 @@ WORDS = {
     "units": "quantities in SI",
     "unit_text": "units as they are typed",
     "attributes": "missing names",
+    "argument_names": "missing arguments",
     "one_thread": "of linear algebra",
 }
 WIDTH, HEIGHT = 10.0, 12.55
@@ -54,7 +55,7 @@ def contract() -> list[list[str]]:
     """The rungs of the import contract, from above."""
     with (ROOT / "pyproject.toml").open("rb") as file:
         layers = tomllib.load(file)["tool"]["importlinter"]["contracts"][0]["layers"]
-    return [[wing.strip().removeprefix("viscorod.") for wing in re.split("[|:]", rung)] for rung in layers]
+    return [[wing.strip() for wing in re.split("[|:]", rung)] for rung in layers]
 
 
 def imports() -> tuple[Counter[tuple[str, str]], Counter[tuple[str, str]], set[str]]:

@@ -1,4 +1,4 @@
-"""Geometrically exact rods with Kelvin-Voigt damping.
+"""Geometrically exact rods in large motion, with damping from their material.
 
 Public names are listed once, in ``__init__.pyi``; each is imported when it is first used, so that ``import viscorod``
 takes no time.

@@ -23,6 +23,7 @@ __all__ = [
     "si_quantity",
     "si_value",
     "waiting",
+    "without_angle",
 ]
 
 # at most three digits of exponent: longer ones would become numbers that fill the memory
@@ -100,7 +101,7 @@ def si_value(text: str, unit: str, key: str) -> float:
     turns = _turns(dimension, wanted)
     if turns is None:
         instead = _weighed(number, given, wanted) or _advice(unit)
-        if _core(dimension) == _core(wanted):
+        if without_angle(dimension) == without_angle(wanted):
             instead = "give rad/s, deg/s, turn/s or rpm"
         raise RefusedError(f"this is {_noun(dimension)}, {key} needs {_noun(wanted)}", instead)
     exact = Fraction(number) * factor
@@ -180,7 +181,7 @@ def si_and_kind(text: str) -> tuple[float, Dimension] | None:
         found = float(Fraction(match[1]) * factor)
     except (RefusedError, OverflowError):
         return None
-    return None if dict(_core(kind)) == {"second": -1} else (found, kind)
+    return None if dict(without_angle(kind)) == {"second": -1} else (found, kind)
 
 
 class Measured(float):
@@ -236,16 +237,16 @@ def _turns(given: Dimension, wanted: Dimension) -> bool | None:
     """Say whether rad/s stands where Hz is needed; None if the dimensions do not fit."""
     if given == wanted:
         return False
-    core = dict(_core(given))
-    if core != dict(_core(wanted)):
+    core = dict(without_angle(given))
+    if core != dict(without_angle(wanted)):
         return None
     if core == {"second": -1}:  # a frequency, or an angular velocity
         return True if dict(given).get("radian") == 1 and "radian" not in dict(wanted) else None
     return False if core else None
 
 
-def _core(dimension: Dimension) -> Dimension:
-    """Return a dimension without the angle."""
+def without_angle(dimension: Dimension) -> Dimension:
+    """Return a dimension without the angle, which some write and others do not."""
     return tuple((name, power) for name, power in dimension if name != "radian")
 
 

@@ -22,7 +22,7 @@ __all__ = ["count_taken", "require_same_rest", "require_same_steps", "transient"
 
 def count_taken(monkeypatch):
     """Return a list of how many steps are taken at once, call by call, of runs that no second one tells errors of."""
-    monkeypatch.setattr("viscorod.analyses.motion.is_needed", lambda *_: False)
+    monkeypatch.setattr("viscorod.analyses.motion_errors.is_needed", lambda *_: False)
     counts, take = [], ManySteps.take
 
     def counted(self, *given):

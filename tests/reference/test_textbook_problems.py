@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 from scipy.optimize import brentq
-from scipy.special import ellipk, iv, ive, jv, kv, kve, yv
+from scipy.special import iv, ive, jv, kv, kve, yv
 
 import viscorod as vr
 
@@ -108,31 +108,3 @@ def test_a_slender_spring_bows_at_haringxs_compression() -> None:
     assert above.negative_eigenvalues > 0
     short = -below.displacement("coil.end")[2] / length
     assert short == pytest.approx(factors[0], rel=0.02)
-
-
-@pytest.mark.parametrize("angle", [0.1, 2.0])
-def test_one_body_on_a_hinge_swings_as_a_physical_pendulum(angle: float) -> None:
-    """Period ``4 K(sin(angle/2)) sqrt(J/(m g d))`` with J about the hinge, K of the first kind (elliptic integral).
-
-    The body hangs on a rigid rod of a thousandth of its mass, as the message for models of bodies alone says.
-    """
-    mass, inertia, d, light = 2.0, 0.02, 0.3, 2e-3
-    centre = np.array([d * np.sin(angle), 0.0, -d * np.cos(angle)])
-    model = vr.Model()
-    model.add("bob", vr.Body(mass, (0.01, inertia, 0.03), centre=tuple(centre)))
-    section = vr.StiffnessSection([1.0] * 6, [light / d] * 3 + [1e-7, 1e-7, 2e-7])
-    held = ("kirchhoff", "bend_1", "bend_2", "twist")
-    model.add("bar", vr.Rod.straight((0, 0, 0), tuple(centre), section=section, constraints=held))
-    model.attach("bar.end", "bob")
-    model.support("bar.start", ("ux", "uy", "uz", "rx", "rz"))
-    model.gravity()
-    about = inertia + mass * d**2 + light * d**2 / 3.0 + 1e-7 * d
-    moment = 9.81 * (mass + light / 2.0) * d
-    slow = np.sqrt(moment / about) / (2.0 * np.pi)
-    period = 2.0 * ellipk(np.sin(0.5 * angle) ** 2) / np.pi / slow
-    run = model.simulate(period, initial="reference")
-    x, _, z = run.history("bob").values[-1]
-    assert np.arctan2(x, -z) == pytest.approx(angle, abs=1e-3 * angle)
-    half = run.history("bob", times=[0.5 * period]).values[0]
-    assert half[0] == pytest.approx(-centre[0], abs=1e-3 * d * angle)
-    assert model.modes(1).frequencies[0] == pytest.approx(slow, rel=1e-6)

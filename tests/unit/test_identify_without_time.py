@@ -207,6 +207,16 @@ def test_kind_sign_size_and_delay_of_a_response_are_named(accelerance, change, w
     assert told(fit, words), fit.sentences
 
 
+def test_a_response_of_another_unit_is_no_record_of_the_models(accelerance):
+    record = vr.ResponseRecord(HERTZ, accelerance, unit="m/N")
+    with pytest.raises(
+        InputError, match=r"unit: m/N: the response of the model is in \(?m/s\^2\)?/N; name the output"
+    ):
+        vr.identify(SHAKEN, record, {YOUNG: 69e9})
+    same = vr.ResponseRecord(HERTZ, accelerance, unit="m/s^2/N")
+    assert len(same.predicted(run_case(SHAKEN))) == 2 * len(HERTZ)
+
+
 LINES = np.linspace(2.0, 202.0, 401)
 
 

@@ -252,3 +252,24 @@ def test_noise_is_not_taken_for_a_mode():
             hertz, response, noise = noisy(seed, white, proportional)
             told = vr.modal_fit(vr.ResponseRecord(hertz, response + noise)).warnings
             assert not any("neighbouring lines are alike" in text for text in told)
+
+
+def test_a_load_over_a_motion_shows_the_modes_of_what_is_held():
+    """Poles of 1/H are the zeros of H: of two modes of equal weights the roots of the sum of their denominators."""
+    hertz = np.linspace(1.0, 80.0, 1581)
+    poles = [
+        np.array([1.0, 2.0 * ratio * 2.0 * np.pi * f, (2.0 * np.pi * f) ** 2])
+        for f, ratio in ((20.0, 0.01), (50.0, 0.02))
+    ]
+    s = 2j * np.pi * hertz
+    receptance = sum(1.0 / np.polyval(one, s) for one in poles)
+    zero = np.roots(poles[0] + poles[1])[0]
+    found = vr.modal_fit(vr.ResponseRecord(hertz, 1.0 / receptance, unit="N/m"))
+    assert found.frequencies[0] == pytest.approx(abs(zero) / (2.0 * np.pi), rel=1e-4)
+    assert found.damping_ratios[0] == pytest.approx(-zero.real / abs(zero), rel=1e-2)
+    assert any(
+        "response is in N/m, a load over a motion: its peaks are modes of what is left free" in one
+        for one in found.warnings
+    )
+    plain = vr.modal_fit(vr.ResponseRecord(hertz, receptance, unit="m/N"))
+    assert not any("a load over a motion" in one for one in plain.warnings)

@@ -187,7 +187,7 @@ WRONG = {
     "t [s],z [m]\n0,1\n0.1,2\n": r"no column has this name",
     "t [s],y [m]\n0,1\n0.1,\n0.2,3\n": r"column y: row 2 of the numbers: there is no number",
     "t [s],y [m]\n0,1\n0.2,2\n0.1,3\n": r"times\[2\]: 0.1: it does not come after 0.2",
-    "t [s],y [m]\nabc,def\n": r"there are no lines of two numbers",
+    "t [s],y [m]\nabc,def\n": r"there are no lines of numbers",
 }
 
 

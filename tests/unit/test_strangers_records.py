@@ -37,6 +37,9 @@ TEXTS = {
     "time of day over an hour": "Time,tip_y [mm]\n" + clock("10:{1}:{0:06.3f}"),
     "dates": "Time,tip_y [mm]\n" + clock("2024-03-01T10:{1}:{0:06.3f}Z"),
     "German dates": "Zeit;tip_y [mm]\n" + clock("1/3/2024 10:{1}:{0:06.3f}").replace(",", ";").replace(".", ","),
+    "a clock of twelve hours": "Time,tip_y [mm]\n" + clock("1/3/2024 10:{1}:{0:06.3f} PM"),
+    "remarks beside few of the samples": "t [s],tip_y [mm],event,by\n"
+    + "".join(f"{row},{'release' if k in (0, 7) else ''},\n" for k, row in enumerate(rows().splitlines())),
     "minutes": "Time [min]\ttip_y [mm]\n" + rows("\t", times=1.0 / 60.0),
     "old Mac": ("Time [s],tip_y [mm]\n" + rows()).replace("\n", "\r"),
     "thousands": "Time [s];tip_y [µm]\n"
@@ -119,6 +122,44 @@ def test_stamps_that_were_rounded_are_evenly_spaced():
     assert vr.Record(times, np.sin(times), **HOW).interval == pytest.approx(1.0 / 240.0, rel=1e-3)
     assert vr.Record(np.delete(times, 200), np.sin(times[1:]), **HOW).interval is None
     assert vr.Record(times**1.1, np.sin(times), **HOW).interval is None
+
+
+@pytest.mark.parametrize(
+    ("head", "mark", "point", "value"),
+    [
+        ("tip_y [mm]\n", "\n", ".", "tip_y"),
+        ("# tip\ntip_y\nmm\n", "\n", ",", 1),
+        ("", "\n", ".", 1),
+        ("a,tip_y [mm]\n", "\n7,", ".", 2),
+    ],
+)
+def test_a_single_column_with_its_rate(head, mark, point, value, tmp_path):
+    """Lines of "9,5" are numbers with decimal commas below one name, and two columns below two names."""
+    file = tmp_path / "record.csv"
+    text = mark.lstrip("\n") + mark.join(
+        f"{round(y * 1e9):d}" if mark != "\n" else f"{y * 1e3:.6f}" for y in VALUES
+    )
+    file.write_text(head + text.replace(".", point) + "\n")
+    size = 1e-6 if mark != "\n" else 1.0
+    unit = None if head else "mm"
+    found = read(file, value, rate=100.0, unit=unit)
+    np.testing.assert_allclose(size * found.values, VALUES, atol=1e-9)
+    np.testing.assert_allclose(found.times, TIMES, atol=1e-12)
+
+
+def test_what_a_single_column_does_not_say_is_asked_for(tmp_path):
+    file = tmp_path / "record.csv"
+    file.write_text("0,5\n0,25\n-0,5\n")
+    with pytest.raises(
+        vr.InputError, match=r"line 1 may be one number with a decimal comma, or two columns; write"
+    ):
+        read(file, 1, rate=100.0, unit="mm")
+    file.write_text("tip_y [mm]\n0.5\n\n-0.5\n")
+    with pytest.raises(vr.InputError, match=r"this column has the values, and none has times; give rate"):
+        read(file)
+    with pytest.raises(vr.InputError, match=r"row 2 of the numbers: there is no number"):
+        read(file, rate=100.0)
+    assert read(file, rate=100.0, gaps="leave out").times.tolist() == [0.0, 0.02]
 
 
 def test_values_alone_with_their_rate(tmp_path):
@@ -249,6 +290,9 @@ def test_units_of_accelerometers(tmp_path, unit, size):
         ("mag [m/s^2/N],phase [deg]", ("2,90", "3,-180"), None, [2j, -3.0]),
         ("mag [dB],phase [rad]", ("20,0", "-20,0"), "um/N", [1e-5, 1e-7]),
         ("re [g/N],im [g/N]", ("1,0", "0,2"), None, [9.80665, 19.6133j]),
+        ("mag / dB(m/s²/N),phase / °", ("20,0", "0,90"), None, [10.0, 1j]),
+        ("re [ms⁻²/N],im [ms⁻²/N]", ("1,0", "0,2"), None, [1.0, 2j]),
+        ("re [N/g],im [N/g]", ("9.80665,0", "0,19.6133"), None, [1.0, 2j]),
     ],
 )
 def test_responses_by_magnitude_and_phase(tmp_path, heads, rows, unit, values):
@@ -258,6 +302,28 @@ def test_responses_by_magnitude_and_phase(tmp_path, heads, rows, unit, values):
     assert found.values == pytest.approx(np.array(values))
     with pytest.raises(vr.InputError, match="a response has a phase"):
         vr.ResponseRecord.read(file, 2, unit=unit)
+
+
+@pytest.mark.parametrize(
+    ("written", "unit"),
+    [
+        ("g/N", "m/s^2/N"), ("1/kg", "m/s^2/N"), ("mm/s/N", "m/s/N"), ("µε/N", "1/N"), ("rad/Nm", "1/(N m)"),
+        ("kg", "N/(m/s^2)"), ("kN/mm", "N/m"), ("mV/N", None), ("g/g", None),
+    ],
+)  # fmt: skip
+def test_a_response_has_its_unit(tmp_path, written, unit):
+    file = tmp_path / "frf.csv"
+    file.write_text(f"f [Hz],re [{written}],im [{written}]\n1,1,2\n2,3,4\n")
+    assert vr.ResponseRecord.read(file, ["re", "im"]).unit == unit
+
+
+def test_units_of_two_parts_are_one(tmp_path):
+    file = tmp_path / "frf.csv"
+    file.write_text("f [Hz],re [m/N],im [mm/N]\n1,1,2\n2,3,4\n")
+    with pytest.raises(vr.InputError, match=r"re is in m/N and im is in mm/N; give unit"):
+        vr.ResponseRecord.read(file, ["re", "im"])
+    with pytest.raises(vr.InputError, match=r"response: unit: 'mm/N': values are in SI; give the unit in SI"):
+        vr.ResponseRecord([1.0, 2.0], [1j, 2j], unit="mm/N")
 
 
 def test_decibels_need_what_they_are_over(tmp_path):
@@ -380,3 +446,48 @@ def test_what_is_doubtful_about_a_table_of_moduli_is_a_warning(text, message, tm
     file.write_text(text)
     with pytest.warns(UserWarning, match=message):
         vr.ModuliRecord.read(str(file))
+
+
+def test_a_table_of_modes_with_columns_of_what_is_uncertain(tmp_path):
+    """Of a decrement d with deviation u the ratio d/(2 pi) has u/(2 pi) where it is small."""
+    file = tmp_path / "modes.csv"
+    file.write_text(
+        "Mode;f [Hz];u(f) [Hz];zeta [%];u(zeta) [%];d;ud\n1;10,2;0,02;0,5;0,1;0,04;0,01\n3;64;0,2;0,4;0,2;0,03;0,02\n"
+    )
+    table = {
+        "kind": "modes",
+        "file": "modes.csv",
+        "frequency": "f",
+        "frequency_noise": "u(f)",
+        "modes": "Mode",
+    }
+    found = record_of({**table, "damping_ratio": "zeta", "ratio_noise": "u(zeta)"}, tmp_path)
+    assert found.modes == (1, 3)
+    assert found.observed == pytest.approx([10.2, 64.0, 0.005, 0.004])
+    assert found.noise == pytest.approx([0.02, 0.2, 0.001, 0.002])
+    about = {"damping_ratio": "d", "ratio_noise": "ud", "damping_as": "log_decrement"}
+    other = record_of({**table, **about}, tmp_path)
+    assert other.noise[2:] == pytest.approx(np.array([0.01, 0.02]) / (2.0 * np.pi), rel=1e-3)
+    same = record_of({**table, "damping_ratio": "zeta", "ratio_noise": 0.001, "modes": [1, 3]}, tmp_path)
+    assert same.noise == pytest.approx([0.02, 0.2, 0.001, 0.001])
+
+
+def test_loads_there_and_back_are_one_branch_each(tmp_path):
+    file = tmp_path / "pull.csv"
+    file.write_text("Mass [kg],Way [mm]\n0,0\n1,2\n2,4\n1,2.5\n0,0.5\n")
+    table = {"kind": "static", "file": "pull.csv", "place": "beam.end", "direction": "y"}
+    with pytest.raises(
+        vr.InputError, match=r"column Mass has masses, and a force is needed; give load_unit = 'kgf'"
+    ):
+        record_of(table, tmp_path)
+    table["load_unit"] = "kgf"
+    with pytest.raises(
+        vr.InputError, match=r"go up to 19.6133 in row 3, and back; give branch = 'loading' or"
+    ):
+        record_of(table, tmp_path)
+    for branch, way in (("loading", [0.0, 2.0, 4.0]), ("unloading", [0.5, 2.5, 4.0])):
+        found = record_of({**table, "branch": branch}, tmp_path)
+        assert found.loads == pytest.approx(9.80665 * np.arange(3.0))
+        assert found.values == pytest.approx(1e-3 * np.array(way))
+    with pytest.raises(vr.InputError, match=r"branch: 'up': it is not known; use loading or unloading"):
+        record_of({**table, "branch": "up"}, tmp_path)

@@ -2,17 +2,20 @@
 
 from __future__ import annotations
 
-import json
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.followed import (
+    Errors,
+    common_attributes,
     common_variables,
+    doubts,
     errors_of,
     followed,
     found_in,
@@ -34,6 +37,12 @@ from viscorod.solve.tracking.mode_tracking import Sample, Tracker
 from viscorod.typing import Floats
 
 __all__ = ["campbell", "rotations"]
+
+_SEEN_ON_MODEL = (
+    "the model is alike all around its axis, as a shaft is, and these frequencies are as seen on it: its unbalance "
+    "excites it where a frequency seen from outside is that of the speed, which the critical speeds here are not; "
+    "frame = 'space' has them"
+)
 
 
 def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRotations:
@@ -90,63 +99,41 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
     met, samples = meetings(tracker.samples, family.mass), tracker.at(speeds)
     better = None if finer is None else partial(rotations, finer, settings)
     errors = errors_of(discrete, better, tracker, samples, found, critical, waves)
-    notes: list[str] = []
-    if "frame" not in settings.model_fields_set and diagram.whirls:
-        notes.append(
-            "the model is alike all around its axis, as a shaft is, and these frequencies are as seen on it: its "
-            "unbalance excites it where a frequency seen from outside is that of the speed, which the critical "
-            "speeds here are not; frame = 'space' has them"
-        )
     start = samples[1 if speeds[0] == 0.0 else 0]
     names = names_of(discrete, family.state(start.parameter), start)
-    variables, coordinates = common_variables("speed", samples, names, found, met, errors, tracker, notes)
     shifts = np.array(speeds)[:, None] * np.array(waves)
-    seen = np.array([sample.roots for sample in samples]) + 1j * shifts
-    along = ("speed", "mode")
+    variables, coordinates = common_variables("speed", samples, names, found, met, errors, shifts)
+    whirls = [diagram.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]
+    at_limits = [abs(one.root.imag + waves[one.mode] * one.parameter) / (2.0 * np.pi) for one in found]
     variables |= {
-        "frequency": (along, np.abs(seen.imag) / (2.0 * np.pi)),
-        "damping_ratio": (along, -seen.real / np.maximum(np.abs(seen), np.finfo(float).tiny) + 0.0),
-        "whirl": (
-            along,
-            np.array([diagram.rounds(sample).whirl(sample.roots, sample.parameter) for sample in samples]),
-        ),
-        "limit_frequency": (
-            "limit",
-            np.array(
-                [abs(one.root.imag + waves[one.mode] * one.parameter) / (2.0 * np.pi) for one in found],
-                dtype=float,
-            ),
-        ),
-        "critical_speed": ("critical", np.array([one.speed for one in critical], dtype=float)),
-        "critical_mode": ("critical", np.array([one.mode for one in critical], dtype=np.int64)),
-        "critical_order": ("critical", np.array([one.order for one in critical], dtype=float)),
-        "critical_frequency": (
-            "critical",
-            np.array([one.order * one.speed / (2.0 * np.pi) for one in critical], dtype=float),
-        ),
-        "critical_damping_ratio": (
-            "critical",
-            np.array(
-                [-one.root.real / np.hypot(one.root.real, one.order * one.speed) for one in critical],
-                dtype=float,
-            ),
-        ),
-        "critical_error": ("critical", errors.critical),
+        "whirl": (("speed", "mode"), np.array(whirls)),
+        "limit_frequency": ("limit", np.array(at_limits, dtype=float)),
+        **_critical_variables(critical, errors),
     }
-    attrs = discrete.complete(
-        {
-            "kind": Campbell.kind,
-            "outcome": "stopped" if tracker.stopped else "completed",
-            "frame": settings.frame,
-            "nodes": discrete.problem.size,
-            "iterations": family.iterations,
-            "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
-        }
+    coordinates |= {"speed": np.array(speeds), "engine_order": np.array(settings.engine_orders, dtype=float)}
+    notes = doubts("speed", samples, names, errors, tracker)
+    if "frame" not in settings.model_fields_set and diagram.whirls:
+        notes.insert(0, _SEEN_ON_MODEL)
+    attrs = common_attributes(
+        discrete, Campbell.kind, tracker, family.iterations, notes, frame=settings.frame
     )
     import xarray as xr
 
-    coordinates |= {"speed": np.array(speeds), "engine_order": np.array(settings.engine_orders, dtype=float)}
     return whole(Campbell(xr.Dataset(variables, coordinates, attrs)), tracker)
+
+
+def _critical_variables(critical: Sequence[Critical], errors: Errors) -> dict[str, Any]:
+    """Return the variables of critical speeds."""
+    ratios = [-one.root.real / np.hypot(one.root.real, one.order * one.speed) for one in critical]
+    frequencies = [one.order * one.speed / (2.0 * np.pi) for one in critical]
+    return {
+        "critical_speed": ("critical", np.array([one.speed for one in critical], dtype=float)),
+        "critical_mode": ("critical", np.array([one.mode for one in critical], dtype=np.int64)),
+        "critical_order": ("critical", np.array([one.order for one in critical], dtype=float)),
+        "critical_frequency": ("critical", np.array(frequencies, dtype=float)),
+        "critical_damping_ratio": ("critical", np.array(ratios, dtype=float)),
+        "critical_error": ("critical", errors.critical),
+    }
 
 
 @dataclass

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from functools import partial
 from typing import Any
 
 import numpy as np
@@ -12,7 +11,7 @@ import numpy as np
 from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.motion_attributes import described
-from viscorod.analyses.motion_start import initial_state, small_vibrations
+from viscorod.analyses.motion_start import MotionStart, initial_state
 from viscorod.analyses.motion_stepping import integrator_makers, stepping
 from viscorod.analyses.provenance import provenance
 from viscorod.argument_names import known_arguments
@@ -62,7 +61,7 @@ class CoSimulation:
         integrator, control, self._chosen = stepping(
             discrete,
             settings,
-            partial(small_vibrations, discrete, settings, state),
+            MotionStart(discrete, settings, state).vibrations,
             integrator_makers(discrete, settings, state)[0],
         )
         self._transient = Transient(discrete.problem, integrator, control)

@@ -280,7 +280,9 @@ class DiscreteModel:
             found = undetermined(self.problem, self.system.external, stiffness, motions)
         loose = found
         acting = self.system.external.any() or self.supports.moving or bool(self.problem.joints.motions)
-        if searching and acting and not any(motion.translation for motion in loose):
+        # a line that is not taut yet holds nothing across it, and does once it bears a load
+        roped = any(spring.kind == "line" for spring in self.model.resolved_springs())
+        if searching and acting and (roped or not any(motion.translation for motion in loose)):
             return loose
         if loose:
             raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)))
@@ -336,7 +338,7 @@ class DiscreteModel:
     def _energy_scale(self) -> float:
         """Elastic energy [J] at a strain of one; if all strains are held, that whose round-off loads on them make."""
         problem = self.problem
-        elastic = problem.length * max(float(s.stiffness.max()) for s in problem.sets)
+        elastic = problem.length * max(float(s.stiffness.max(initial=0.0)) for s in problem.sets)
         if elastic > 0.0:
             return elastic
         loads = self.static.loads.at(0.0)

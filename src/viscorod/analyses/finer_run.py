@@ -9,19 +9,16 @@ next one, while errors that the motion makes grow are in none of them. The diffe
 from __future__ import annotations
 
 import logging
-from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion_start import initial_state, small_motions
+from viscorod.analyses.motion_start import MotionStart, initial_state
 from viscorod.analyses.motion_stepping import integrator_makers
 from viscorod.analyses.second_run import SecondRun, second_run
 from viscorod.errors import InputError, SolveError
-from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.problem.division import divisions_of
-from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 
 __all__ = ["mesh_matters", "told_by_finer_run"]
@@ -86,17 +83,7 @@ def _on_finer_mesh(
         if found is None:
             return None
         start.r[:], start.q[:], start.multiplier[:] = found.r, found.q, found.multiplier
-    linear = cache(partial(small_motions, finer, settings, start))
-    linear()
-    start = start.copy()
-    relaxing = cache(lambda: Relaxing.of(finer.static.system, start, linear()))
-    return second_run(
-        finer,
-        settings,
-        start,
-        integrator_makers(finer, settings, start)[1],
-        lambda: vibrating(linear(), relaxing()),
-        lambda: StartModes.of(linear(), relaxing()),
-        float(second.times[-1]),
-        second.time_step,
-    )
+    begun = MotionStart(finer, settings, start)
+    begun.small_motions()
+    make = integrator_makers(finer, settings, start)[1]
+    return second_run(finer, settings, begun, make, float(second.times[-1]), second.time_step)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Callable, Sequence
 from typing import Any, NamedTuple, TypeVar
 
@@ -24,7 +25,9 @@ from viscorod.solve.tracking.special_values import Limit, grows, limits
 from viscorod.typing import Floats
 
 __all__ = [
+    "common_attributes",
     "common_variables",
+    "doubts",
     "errors_of",
     "followed",
     "found_in",
@@ -104,8 +107,12 @@ def errors_of(
     critical: Sequence[Critical] = (),
     waves: Sequence[int] = (),
 ) -> Errors:
-    """Return the errors by comparison with a finer mesh; zeros where there is none, or all was stopped before."""
-    none = Errors(np.zeros(len(samples[0].roots)), np.zeros(len(limited)), np.zeros(len(critical)), False)
+    """Return the errors by comparison with a finer mesh; zeros where there is none, or all was stopped before.
+
+    Rigid bodies alone have no mesh that could err.
+    """
+    known = not discrete.problem.rods
+    none = Errors(np.zeros(len(samples[0].roots)), np.zeros(len(limited)), np.zeros(len(critical)), known)
     if finer is None or tracker.stopped:
         return none
 
@@ -201,11 +208,47 @@ def common_variables(
     limited: list[Limit],
     meetings: list[Meeting],
     errors: Errors,
-    tracker: Tracker,
-    notes: list[str],
+    shifts: Floats | float = 0.0,
 ) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return variables and coordinates of a data set; what is uncertain is added to the ``notes``."""
+    """Return variables and coordinates of a data set.
+
+    Args:
+        along: name of the parameter; samples: at its values; names: of the modes.
+        limited: limits of stability; meetings: of frequencies; errors: by the mesh.
+        shifts: by how much angular frequencies [rad/s] are told larger than those of the motions ``(values, modes)``.
+    """
     roots = np.array([sample.roots for sample in samples])
+    seen = roots + 1j * shifts
+    tau, modes = 2.0 * np.pi, (along, "mode")
+    variables: dict[str, Any] = {
+        "eigenvalue": ((along, "mode", "part"), np.stack([roots.real, roots.imag], axis=-1)),
+        "likeness": (modes, np.array([sample.likeness for sample in samples])),
+        "mesh_error": ("mode", errors.modes),
+        f"limit_{along}": ("limit", np.array([one.parameter for one in limited], dtype=float)),
+        "limit_mode": ("limit", np.array([one.mode for one in limited], dtype=np.int64)),
+        "limit_kind": ("limit", np.array([one.kind for one in limited], dtype=str)),
+        "limit_unstable": ("limit", np.array([one.unstable for one in limited], dtype=np.int64)),
+        "limit_frequency": ("limit", np.array([abs(one.root.imag) / tau for one in limited], dtype=float)),
+        "limit_error": ("limit", errors.limits),
+        f"meeting_{along}": ("meeting", np.array([one.parameter for one in meetings], dtype=float)),
+        "meeting_modes": (
+            ("meeting", "pair"),
+            np.array([one.modes for one in meetings], dtype=np.int64).reshape(-1, 2),
+        ),
+        "meeting_crosses": ("meeting", np.array([one.crosses for one in meetings], dtype=np.int64)),
+        "meeting_frequency": ("meeting", np.array([one.frequency / tau for one in meetings], dtype=float)),
+        "meeting_gap": ("meeting", np.array([one.gap / tau for one in meetings], dtype=float)),
+        "frequency": (modes, np.abs(seen.imag) / tau),
+        "damping_ratio": (modes, -seen.real / np.maximum(np.abs(seen), np.finfo(float).tiny) + 0.0),
+    }
+    return variables, {"mode": names, "part": ["real", "imaginary"]}
+
+
+def doubts(
+    along: str, samples: list[Sample], names: list[str], errors: Errors, tracker: Tracker
+) -> list[str]:
+    """Return what is uncertain about followed modes, in sentences; see :func:`common_variables`."""
+    notes = []
     for low, high, numbers in tracker.doubts:
         which = ", ".join(names[k] for k in numbers)
         notes.append(
@@ -225,24 +268,24 @@ def common_variables(
         notes.append(
             "errors of the mesh were not estimated: the model is too large for a finer one beside it, or nobody asked"
         )
-    tau = 2.0 * np.pi
-    variables: dict[str, Any] = {
-        "eigenvalue": ((along, "mode", "part"), np.stack([roots.real, roots.imag], axis=-1)),
-        "likeness": ((along, "mode"), np.array([sample.likeness for sample in samples])),
-        "mesh_error": ("mode", errors.modes),
-        f"limit_{along}": ("limit", np.array([one.parameter for one in limited], dtype=float)),
-        "limit_mode": ("limit", np.array([one.mode for one in limited], dtype=np.int64)),
-        "limit_kind": ("limit", np.array([one.kind for one in limited], dtype=str)),
-        "limit_unstable": ("limit", np.array([one.unstable for one in limited], dtype=np.int64)),
-        "limit_frequency": ("limit", np.array([abs(one.root.imag) / tau for one in limited], dtype=float)),
-        "limit_error": ("limit", errors.limits),
-        f"meeting_{along}": ("meeting", np.array([one.parameter for one in meetings], dtype=float)),
-        "meeting_modes": (
-            ("meeting", "pair"),
-            np.array([one.modes for one in meetings], dtype=np.int64).reshape(-1, 2),
-        ),
-        "meeting_crosses": ("meeting", np.array([one.crosses for one in meetings], dtype=np.int64)),
-        "meeting_frequency": ("meeting", np.array([one.frequency / tau for one in meetings], dtype=float)),
-        "meeting_gap": ("meeting", np.array([one.gap / tau for one in meetings], dtype=float)),
-    }
-    return variables, {"mode": names, "part": ["real", "imaginary"]}
+    return notes
+
+
+def common_attributes(
+    discrete: DiscreteModel, kind: str, tracker: Tracker, iterations: int, notes: list[str], **own: str
+) -> dict[str, Any]:
+    """Return the attributes of a data set.
+
+    Args:
+        kind: of the result; iterations: that its states took; notes: what is uncertain; own: those of its kind alone.
+    """
+    return discrete.complete(
+        {
+            "kind": kind,
+            "outcome": "stopped" if tracker.stopped else "completed",
+            **own,
+            "nodes": discrete.problem.size,
+            "iterations": iterations,
+            "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
+        }
+    )

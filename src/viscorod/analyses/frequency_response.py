@@ -51,13 +51,7 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
     about = linear_about(discrete, settings, measured=settings.moduli == "measured")
     given = np.array(settings.frequencies or settings.band, dtype=float)
     low, high = float(given[0]), float(given[-1])
-    _require_known(about, low, high)
-    _require_moving(settings, low)
-    if low == 0.0 and about.loose:
-        raise SolveError(
-            f"There is no response at 0 Hz: nothing holds the model against {', '.join(about.loose)}; add supports, "
-            "or give frequencies > 0"
-        )
+    _require_response(about, settings, low, high)
     response = HarmonicResponse(about.small, about.inputs, about.readings)
     poles = about.poles(high)
     residues = response.residues(poles.roots)
@@ -70,7 +64,46 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
         solve = modal.at
         attributes["modal_modes"] = modal.modes
         attributes["modal_error"] = modal.error(response, low, high, poles.roots)
-    notes = [*about.notes, *_beyond(about, low, high)]
+    notes = [*about.notes, *_beyond(about, low, high), *_doubts(poles, in_band=settings.band is not None)]
+    watched, progress = _watched(solve, silent, discrete.options.stop), discrete.options.progress
+    if settings.band is None:
+        found = _at_given(watched, given, progress)
+    else:
+        found = followed(watched, (low, high), list(poles.roots), settings.tolerance, progress)
+        attributes |= {} if found.stopped else {"line_error": found.error}
+        if len(found.hertz) >= MOST:
+            notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
+    attributes["systems"] = response.solved
+    text = f"The frequency response was stopped at {found.reached:.6g} of {high:.6g} Hz: {found.stopped}"
+    if found.stopped:
+        if len(found.hertz) < 2:
+            raise SolveError(text)
+        beyond = ": beyond, lines between frequencies do not follow the responses"
+        notes.append(f"it was stopped at {found.reached:.6g} Hz" + ("" if settings.band is None else beyond))
+    result = FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
+    if found.stopped:
+        raise SolveError(text, result)
+    return result
+
+
+def _require_response(about: LinearAbout, settings: ResponseSettings, low: float, high: float) -> None:
+    """Refuse frequencies between ``low`` and ``high`` [Hz] at which there is no response."""
+    _require_known(about, low, high)
+    _require_moving(settings, low)
+    if low == 0.0 and about.loose:
+        raise SolveError(
+            f"There is no response at 0 Hz: nothing holds the model against {', '.join(about.loose)}; add supports, "
+            "or give frequencies > 0"
+        )
+
+
+def _doubts(poles: Poles, *, in_band: bool) -> list[str]:
+    """Return what the poles say against a response, in sentences.
+
+    Args:
+        in_band: lines follow it all over a band.
+    """
+    notes = []
     if not poles.complete:
         notes.append("not all resonances of this band were sought: narrow peaks may be missing")
     growing = poles.roots[poles.roots.real > GROWS * np.abs(poles.roots)]
@@ -80,34 +113,12 @@ def frequency_response(discrete: DiscreteModel, settings: ResponseSettings) -> F
             "the response is that of the equations, and no motion settles to it"
         )
     sharp = poles.roots[np.abs(poles.roots.real) <= GROWS * np.abs(poles.roots)]
-    if settings.band is not None and len(sharp):
+    if in_band and len(sharp):
         first = np.abs(sharp.imag).min() / (2.0 * np.pi)
         notes.append(
             f"nothing damps the vibration at {first:.6g} Hz: a response has no bound there, and no lines follow it"
         )
-    watched = _watched(solve, silent, discrete.options.stop)
-    if settings.band is None:
-        found = _at_given(watched, given, discrete.options.progress)
-    else:
-        found = followed(
-            watched, (low, high), list(poles.roots), settings.tolerance, discrete.options.progress
-        )
-        attributes |= {} if found.stopped else {"line_error": found.error}
-        if len(found.hertz) >= MOST:
-            notes.append(f"lines between {MOST} frequencies do not follow all responses to the tolerance")
-    attributes["systems"] = response.solved
-    if not found.stopped:
-        return FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
-    text = f"The frequency response was stopped at {found.reached:.6g} of {high:.6g} Hz: {found.stopped}"
-    if len(found.hertz) < 2:
-        raise SolveError(text)
-    notes.append(
-        f"it was stopped at {found.reached:.6g} Hz"
-        + ("" if settings.band is None else ": beyond, lines between frequencies do not follow the responses")
-    )
-    raise SolveError(
-        text, FrequencyResponse(_data_set(about, settings, found, (poles, residues), notes, attributes))
-    )
+    return notes
 
 
 def _looked_at(low: float, high: float, roots: np.ndarray) -> Floats:

@@ -16,7 +16,7 @@ from viscorod.analyses.identification.finer_steps import steps_told
 from viscorod.analyses.identification.fit_dataset import fit_dataset
 from viscorod.analyses.identification.in_programs import in_programs
 from viscorod.analyses.identification.laws import compared_laws, require_laws
-from viscorod.analyses.identification.named_combinations import combinations
+from viscorod.analyses.identification.named_combinations import Combination, combinations
 from viscorod.analyses.identification.record_frequencies import dominant_frequencies
 from viscorod.analyses.identification.search import Fitted, fitted
 from viscorod.analyses.identification.sought import Range
@@ -104,12 +104,7 @@ def identify(
         SolveError: no start can be computed.
     """
     began = time.perf_counter()
-    if not 0.0 < level < 1.0:
-        raise InputError(Fault("level", show(level), "it lies between 0 and 1", "give 0.95"))
-    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
-        raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
-    if isinstance(draws, bool) or not isinstance(draws, int) or draws < 0:
-        raise InputError(Fault("draws", show(draws), "a whole number of at least 0 is needed", "give 2000"))
+    _require_settings(level, starts, draws)
     pairs, wanted, other = pairs_of(case, records), as_ranges(parameters), as_ranges(nuisances)
     aside = pairs_of(left_out, None) if left_out else []
     pairs, held = _without_held(pairs)
@@ -131,16 +126,7 @@ def identify(
     )
     # those of a model that misses the motion do not hold in any case, and its sum of squares has no shape to follow
     limits = _intervals(found, level, profile=profile and not missed(found.estimate))
-    cases = found.cases()
-    hertz = dominant_frequencies(found.members)
-    told = [
-        one
-        for case_found, own in zip(cases[:1], hertz[:1], strict=True)
-        for one in combinations(case_found, found.unknowns, found.estimate.z, found.known, own, level)
-    ]
-    programs, no_programs = in_programs(
-        cases[0], found.unknowns, found.estimate.z, found.known, hertz[0], level
-    )
+    told, programs, no_programs = _told_of_laws(found, level)
     units = {name: unit_of(found.members, name) for name in found.unknowns.names}
     sentences = [
         *held,
@@ -154,24 +140,53 @@ def identify(
     if compared is not None:
         compared = compared.ended_in(found)
         sentences = [*compared.sentences, *sentences]
-    attrs = {
-        "title": cases[0].title,
+    attrs = _course(found) | {
         "level": level,
+        "robust": int(robust),
+        "wall_time_s": time.perf_counter() - began,
+        "sentences": json.dumps(sentences),
+        "missed": json.dumps(missed(found.estimate, moved=compared is not None and compared.moved)),
+    }
+    chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None
+    return Identification(fit_dataset(found, limits, told, programs, attrs, compared, chains))
+
+
+def _require_settings(level: float, starts: int, draws: int) -> None:
+    """Refuse numbers of an identification that are out of their range."""
+    if not 0.0 < level < 1.0:
+        raise InputError(Fault("level", show(level), "it lies between 0 and 1", "give 0.95"))
+    if isinstance(starts, bool) or not isinstance(starts, int) or starts < 1:
+        raise InputError(Fault("starts", show(starts), "a whole number of at least 1 is needed", "give 1"))
+    if isinstance(draws, bool) or not isinstance(draws, int) or draws < 0:
+        raise InputError(Fault("draws", show(draws), "a whole number of at least 0 is needed", "give 2000"))
+
+
+def _told_of_laws(found: Fitted, level: float) -> tuple[list[Combination], list[Combination], list[str]]:
+    """Return what the data tell of the damping of the first case.
+
+    Returns:
+        Combinations of its numbers that they tell, its damping in the words of other programs, and sentences where
+        these have none.
+    """
+    case, hertz = found.cases()[0], dominant_frequencies(found.members)[0]
+    numbers = found.unknowns, found.estimate.z, found.known
+    return combinations(case, *numbers, hertz, level), *in_programs(case, *numbers, hertz, level)
+
+
+def _course(found: Fitted) -> dict[str, Any]:
+    """Return the attributes of a fit about how it was found."""
+    cases = found.cases()
+    return {
+        "title": cases[0].title,
         "outcome": "completed",
         "evaluations": found.estimate.evaluations,
         "starts": found.estimate.starts,
         "agreeing_starts": found.estimate.agreeing,
         "unsettled": found.estimate.unsettled,
-        "robust": int(robust),
-        "wall_time_s": time.perf_counter() - began,
         "cases": json.dumps([toml_text({"title": one.title, **one.content}) for one in cases]),
         "records": json.dumps([record.name for member in found.members for record in member.records]),
-        "sentences": json.dumps(sentences),
         "doubts": json.dumps([text for member in found.members for text in member.doubts]),
-        "missed": json.dumps(missed(found.estimate, moved=compared is not None and compared.moved)),
     }
-    chains = drawn(found.estimate, found.known, _square(found), draws, seed) if draws else None
-    return Identification(fit_dataset(found, limits, told, programs, attrs, compared, chains))
 
 
 def pairs_of(case: Case | Pairs, records: Any) -> list[tuple[Case, Any]]:

@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 import json
-import logging
 import time
 from collections.abc import Callable
-from functools import cache, partial
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.finer_run import mesh_matters, told_by_finer_run
 from viscorod.analyses.folded_rods import FOLDED, folded
 from viscorod.analyses.motion_attributes import begun_at_once, blows, described, failure, keep, tell
+from viscorod.analyses.motion_errors import tell_errors
 from viscorod.analyses.motion_events import monitors
-from viscorod.analyses.motion_start import held_part, initial_state, small_motions
+from viscorod.analyses.motion_start import MotionStart, held_part, initial_state
 from viscorod.analyses.motion_stepping import (
     halved_steps,
     integrates_strains,
@@ -25,7 +23,6 @@ from viscorod.analyses.motion_stepping import (
     set_off,
     stepping,
 )
-from viscorod.analyses.second_run import UNTOLD, SecondRun, is_needed, second_run, told_by_second_run
 from viscorod.analyses.touching_coils import touching_in
 from viscorod.errors import InputError, SolveError, warn
 from viscorod.results.data_schema import annotated
@@ -39,16 +36,12 @@ from viscorod.results.run import Run
 from viscorod.results.state_arrays import StateArrays
 from viscorod.results.step_error import force_doubt, motion_doubt
 from viscorod.solve.history import History, Snapshot
-from viscorod.solve.modes.linearisation import Linearisation
-from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.refinement.noted_states import NotedStates
-from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.events import EventWatch
-from viscorod.solve.transient.halved_steps import HalvedSteps
-from viscorod.solve.transient.saved_state import restore, saved
-from viscorod.solve.transient.step_errors import StepErrors, damped_by_steps
+from viscorod.solve.transient.saved_state import SavedTree, restore, saved
+from viscorod.solve.transient.transient_result import TransientResult
 from viscorod.solve.transient.transient_solver import Transient
 
 if TYPE_CHECKING:
@@ -85,106 +78,151 @@ def _motion(
     Args:
         labels: attributes that are known before it begins.
     """
-    discrete.require_independent()
-    options = discrete.options
-    state, began_from = initial_state(discrete, settings)
-    linear = cache(partial(small_motions, discrete, settings, state))
-    if discrete.watch.feasible or settings.events or settings.modes or settings.dynamics == "linear":
-        linear()
-    else:  # where the stresses are those of the start in any case
-        discrete.static.restore(state, 0.0, before=True, scale=held_part(settings))
-    relaxing = cache(lambda: Relaxing.of(discrete.static.system, start, linear()))
-    start = state.copy()
-    makers = integrator_makers(discrete, settings, state)
-    modes = cache(lambda: StartModes.of(linear(), relaxing()))
+    computed = _Computation(discrete, settings, stream)
+    outcome = computed.run().outcome
+    attrs = labels | computed.attributes(outcome)
+    if computed.halved is not None and outcome is Outcome.COMPLETED:
+        attrs = tell_errors(
+            attrs,
+            discrete,
+            settings,
+            computed.start,
+            computed.twin,
+            computed.halved,
+            computed.last,
+            lambda: _recorded(discrete, stream, labels),
+        )
+    keep(attrs, computed.effort)
+    attrs["message"] = message = failure(discrete, computed.transient)
+    _tell_doubts(attrs, discrete, settings, stream)
+    run = _result(discrete, stream, attrs, interrupted=outcome is Outcome.INTERRUPTED)
+    run.ends_of_steps = np.array(computed.ends)
+    if message:
+        raise SolveError(message, run)
+    return run
 
-    def stiff() -> Linearisation:
-        return vibrating(linear(), relaxing())
 
-    integrator, control, chosen = stepping(discrete, settings, stiff, makers[0], start, modes)
-    ringing = set_off(discrete, settings, modes, start)
-    effort = many_steps(control, settings.duration, settings, discrete.problem.periods, ringing)
-    if effort:
-        warn(effort, at_once=True)
-    halved = halved_steps(discrete, settings, modes, chosen, makers[1])
-    transient = Transient(discrete.problem, integrator, control, halved)
-    began = time.perf_counter()
+class _Computation:
+    """The steps of a motion from where it starts, or from the checkpoint where an earlier run was stopped.
 
-    written = stream if isinstance(stream, JournalStream) else None
-    begun = None if written is None else written.checkpoint
+    Args:
+        discrete: model; settings: of the motion; stream: where its states go to.
 
-    def resumable() -> dict[str, Any]:
+    Attributes:
+        start: of the motion; twin: makes another integrator like its own, with a system of its own.
+        chosen: what the program chose, by name; effort: a warning of very many steps, or nothing.
+        halved: what computes some steps again, None if nothing does; ends: of all steps [s], if they are noted.
+    """
+
+    def __init__(self, discrete: DiscreteModel, settings: SimulateSettings, stream: Stream) -> None:
+        discrete.require_independent()
+        self.discrete, self.settings, self.stream = discrete, settings, stream
+        self.journal = stream if isinstance(stream, JournalStream) else None
+        self.start, self.began_from = self._start()
+        start = self.start
+        make, self.twin = integrator_makers(discrete, settings, start.state)
+        integrator, control, self.chosen = stepping(
+            discrete, settings, start.vibrations, make, start.begin, start.modes
+        )
+        ringing = set_off(discrete, settings, start.modes, start.begin)
+        self.effort = many_steps(control, settings.duration, settings, discrete.problem.periods, ringing)
+        if self.effort:
+            warn(self.effort, at_once=True)
+        self.halved = halved_steps(discrete, settings, start.modes, self.chosen, self.twin)
+        self.transient = Transient(discrete.problem, integrator, control, self.halved)
+        self.ends: list[float] = []
+        self.loop_time = 0.0
+
+    def _start(self) -> tuple[MotionStart, str]:
+        """Return where the motion starts, and what that is in words; the stresses are those of it then."""
+        discrete, settings = self.discrete, self.settings
+        state, text = initial_state(discrete, settings)
+        start = MotionStart(discrete, settings, state)
+        if discrete.watch.affordable or settings.events or settings.modes or settings.dynamics == "linear":
+            start.small_motions()
+        else:
+            discrete.static.restore(state, 0.0, before=True, scale=held_part(settings))
+        return start, text
+
+    def run(self) -> TransientResult:
+        """Take the steps.
+
+        Raises:
+            InputError: the disk takes no more states.
+            SolveError: elements fold, and the model is to be begun anew on shorter ones.
+        """
+        discrete, settings, options = self.discrete, self.settings, self.discrete.options
+        noted = discrete.watch.noted if discrete.watch.feasible else None
+        began, checkpoint = time.perf_counter(), self._checkpoint()
+        result = self.transient.run(
+            self.start.state,
+            settings.duration,
+            output_interval=settings.output_interval,
+            progress=self._progress if options.derivatives or options.note_steps else options.progress,
+            history=self.stream,
+            checkpoint=checkpoint,
+            after_step=self._after_step,
+            patient=options.stop is None or getattr(options.stop, "patient", False),
+            notes=None if noted is None else _Noted(noted, self.stream),
+            watch=EventWatch(monitors(discrete, settings.events, self.start.small_motions)),
+        )
+        if result.reason == FOLDED:
+            raise SolveError(failure(discrete, self.transient), coarse=True)
+        self.loop_time = time.perf_counter() - began
+        if self.journal is not None and self.journal.broken:
+            raise InputError(result.reason)
+        if self.journal is not None and result.between_steps:
+            self.journal.save(self._resumable)
+        return result
+
+    @property
+    def last(self) -> tuple[float, Snapshot]:
+        """Time [s] and state that have been reached."""
+        return self.transient.integrator.t, self.transient.integrator.snapshot()
+
+    def attributes(self, outcome: Outcome) -> dict[str, Any]:
+        """Return the attributes of the result about how it was computed."""
+        about = described(self.discrete, self.transient, self.settings, outcome)
+        return self.chosen | {"began_from": self.began_from} | about | {"loop_time_s": self.loop_time}
+
+    def _checkpoint(self) -> SavedTree:
+        """Take over the states that an earlier run noted; return what its integrator goes on from, None without one."""
+        begun = None if self.journal is None else self.journal.checkpoint
+        if begun is None:
+            return None
+        if noted := restore({}, begun["watch"]):
+            self.discrete.watch.noted.take_over(noted)
+        motion: SavedTree = begun["motion"]
+        return motion
+
+    def _resumable(self) -> dict[str, Any]:
+        """Return what another run can go on from."""
+        watch = self.discrete.watch
         return {
-            "motion": transient.saved(),
-            "watch": saved(discrete.watch.noted.saved() if discrete.watch.feasible else {}),
+            "motion": self.transient.saved(),
+            "watch": saved(watch.noted.saved() if watch.feasible else {}),
         }
 
-    ends: list[float] = []
-    noting = bool(options.derivatives) or options.note_steps
+    def _progress(self, end: float, h: float) -> None:
+        """Note the end of a step [s], and pass it on with its length [s]."""
+        self.ends.append(end)
+        if self.discrete.options.progress is not None:
+            self.discrete.options.progress(end, h)
 
-    def progress(end: float, h: float) -> None:
-        ends.append(end)
-        if options.progress is not None:
-            options.progress(end, h)
-
-    def after_step() -> str:
-        if written is not None:
-            written.after_step(resumable)
-        if options.stop_folded and folded(integrator):
+    def _after_step(self) -> str:
+        """Write what is due; return why the motion is to stop, or nothing."""
+        options = self.discrete.options
+        if self.journal is not None:
+            self.journal.after_step(self._resumable)
+        if options.stop_folded and folded(self.transient.integrator):
             return FOLDED
         return "" if options.stop is None else options.stop()
 
-    if begun is not None and (noted := restore({}, begun["watch"])):
-        discrete.watch.noted.take_over(noted)
-    result = transient.run(
-        state,
-        settings.duration,
-        output_interval=settings.output_interval,
-        progress=progress if noting else options.progress,
-        history=stream,
-        checkpoint=None if begun is None else begun["motion"],
-        after_step=after_step,
-        patient=options.stop is None or getattr(options.stop, "patient", False),
-        notes=_Noted(discrete.watch.noted, stream) if discrete.watch.feasible else None,
-        watch=EventWatch(monitors(discrete, settings.events, linear)),
-    )
-    if result.reason == FOLDED:
-        raise SolveError(failure(discrete, transient), coarse=True)
-    loop_time = time.perf_counter() - began
-    interrupted = result.outcome is Outcome.INTERRUPTED
-    if written is not None and written.broken:
-        raise InputError(result.reason)
-    if written is not None and result.between_steps:
-        written.save(resumable)
-    attrs = (
-        labels
-        | chosen
-        | {"began_from": began_from}
-        | described(discrete, transient, settings, result.outcome)
-    )
-    attrs["loop_time_s"] = loop_time
-    if halved is not None and result.outcome is Outcome.COMPLETED:
-        errors = StepErrors.of(halved, discrete.problem, start, integrator.t)
-        told, last, unknown = errors, (integrator.t, integrator.snapshot()), ""
-        second: SecondRun | None = None
-        if errors is not None and is_needed(discrete, settings, halved, errors):
-            logging.getLogger("viscorod").info(
-                "viscorod: the motion is computed again with smaller steps, for the errors of the first ones"
-            )
-            first = _recorded(discrete, stream, labels)
-            second = second_run(discrete, settings, start, makers[1], stiff, modes, float(first.time[-1]))
-            if second is None:
-                unknown = UNTOLD
-            else:
-                told = told_by_second_run(discrete, errors, first, second)
-        attrs |= _estimated_errors(discrete, settings, halved, last, (errors, told))
-        tell(attrs, unknown)
-        if second is not None and mesh_matters(discrete):
-            of_mesh, unknown = told_by_finer_run(discrete, settings, second)
-            attrs |= of_mesh
-            tell(attrs, unknown)
-    keep(attrs, effort)
-    attrs["message"] = message = failure(discrete, transient)
+
+def _tell_doubts(
+    attrs: LateAttributes, discrete: DiscreteModel, settings: SimulateSettings, stream: Stream
+) -> None:
+    """Tell what is doubtful about a motion whose errors are among its attributes."""
     tell(attrs, blows(discrete.problem))
     if stream.whole:  # what was written to disk is not read again for this
         for text in touching_in(discrete.model.rods, discrete.problem, stream, "at {:.4g} s"):
@@ -193,36 +231,6 @@ def _motion(
     tell(attrs, force_doubt(attrs))
     if settings.start is None and force_doubt(attrs):
         keep(attrs, begun_at_once(discrete.problem, settings.duration))
-    run = _result(discrete, stream, attrs, interrupted=interrupted)
-    run.ends_of_steps = np.array(ends)
-    if message:
-        raise SolveError(message, run)
-    return run
-
-
-def _estimated_errors(
-    discrete: DiscreteModel,
-    settings: SimulateSettings,
-    halved: HalvedSteps,
-    last: tuple[float, Snapshot],
-    errors: tuple[StepErrors | None, StepErrors | None],
-) -> dict[str, Any]:
-    """Return what a finished motion errs by, by its steps and by its mesh, as attributes.
-
-    Args:
-        last: time [s] and state at its end.
-        errors: of its steps, as they add up in small motions about its start, and as the motion makes them grow.
-    """
-    watch = discrete.watch
-    summed, told = errors
-    see = watch.see_motion if settings.dynamics == "nonlinear" else watch.see_linear_motion
-    scale = float(settings.initial == "equilibrium")
-    if settings.modes is None:  # what modes leave out is not in balance on any mesh
-        see(last, discrete.static, scale, damped_by_steps(halved))
-    if told is None or summed is None:
-        return watch.attributes
-    watch.grow(told.growth(summed))
-    return told.attributes | watch.attributes
 
 
 def _recorded(discrete: DiscreteModel, stream: Stream, labels: LateAttributes) -> Run:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from functools import cache
 
 import numpy as np
 
@@ -16,12 +17,13 @@ from viscorod.mechanics.compilation.compiled import announce_formulation
 from viscorod.mechanics.elements import intrinsic_element as intrinsic
 from viscorod.mechanics.elements.branch_memory import begin_branches
 from viscorod.solve.formulations.system import State
-from viscorod.solve.modes.linearisation import Linearisation, linearise
+from viscorod.solve.modes.linearisation import linearise
 from viscorod.solve.modes.relaxing import Relaxing, vibrating
 from viscorod.solve.problem.initial_shape import strain_rods
+from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.settings.motion import SimulateSettings
 
-__all__ = ["held_part", "initial_state", "small_motions", "small_vibrations"]
+__all__ = ["MotionStart", "held_part", "initial_state"]
 
 REACHED = 1e-6
 """Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
@@ -125,15 +127,26 @@ def _require_closed(discrete: DiscreteModel) -> None:
         )
 
 
-def small_motions(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
-    """Return small motions about the state that a motion starts from."""
-    return linearise(discrete.static, state, scale=held_part(settings))
+class MotionStart:
+    """Where a motion starts, and small motions about that, which are computed when they are first asked for.
 
+    Args:
+        discrete: model; settings: of the motion; state: that the motion starts from, and that goes on with it.
 
-def small_vibrations(discrete: DiscreteModel, settings: SimulateSettings, state: State) -> Linearisation:
-    """Return the same, as stiff as the slowest vibration sees them."""
-    linear = small_motions(discrete, settings, state)
-    return vibrating(linear, Relaxing.of(discrete.static.system, state, linear))
+    Attributes:
+        begin: the state at t = 0, which stays.
+        small_motions: returns small motions about it.
+        vibrations: returns the same, as stiff as the slowest vibration sees them.
+        modes: returns the slowest vibrations.
+    """
+
+    def __init__(self, discrete: DiscreteModel, settings: SimulateSettings, state: State) -> None:
+        self.state, self.begin = state, state.copy()
+        static, begin, scale = discrete.static, self.begin, held_part(settings)
+        self.small_motions = small = cache(lambda: linearise(static, begin, scale=scale))
+        relaxing = cache(lambda: Relaxing.of(static.system, begin, small()))
+        self.vibrations = cache(lambda: vibrating(small(), relaxing()))
+        self.modes = cache(lambda: StartModes.of(small(), relaxing()))
 
 
 def held_part(settings: SimulateSettings) -> float:

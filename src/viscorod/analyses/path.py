@@ -30,6 +30,41 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
     """Follow a path of equilibria; see ``Model.path``."""
     discrete.static.stop = discrete.options.stop
     discrete.require_independent()
+    state, first = _start(discrete, settings)
+    points = _Points(discrete, settings)
+    path = PathFollower(discrete.static).follow(
+        state,
+        first=first,
+        load_factor=settings.target,
+        endings=[] if points.displacement is None else [points.beyond],
+        wanted=settings.load_factors,
+        largest=settings.arc_length,
+        points=settings.points,
+        limit_point=settings.limit_point,
+        branch=settings.branch,
+        on_point=points.record,
+    )
+    history = points.history
+    discrete.watch.see_path(history, abs(settings.target or 1.0))
+    attrs = _course(path) | discrete.watch.attributes
+    if path.outcome is not Outcome.COMPLETED:
+        attrs["message"] = _failure(discrete, path, history)
+    found = None
+    if path.count:
+        assert points.stability is not None
+        attrs |= stability_attributes(points.stability, lambda: discrete.inertia_known)
+        found = Equilibrium.later(discrete.arrays("equilibrium", history, attrs))
+    if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
+        raise SolveError(attrs["message"], found, coarse=path.outcome is Outcome.WRAPPED)
+    return found
+
+
+def _start(discrete: DiscreteModel, settings: PathSettings) -> tuple[State, float]:
+    """Return the equilibrium that a path starts from, and its load factor.
+
+    Raises:
+        InputError: nothing acts that a path could follow.
+    """
     loads = discrete.static.loads.at(0.0, True, 1.0)
     discrete.supports.update(0.0, True)
     reference = State.reference(discrete.problem)
@@ -38,48 +73,51 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         raise InputError(
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
-    if settings.start is None:
-        discrete.require_held(lambda: loads)
-        state, first = unloaded(discrete), 0.0
-    else:
-        state, first = equilibrium_near(discrete, settings.start, own_factor=True)
-    history = History()
-    last: list[Stability] = []
-    displacement = None if settings.place is None else _displacement(discrete, settings)
-    told = 0.0
+    if settings.start is not None:
+        return equilibrium_near(discrete, settings.start, own_factor=True)
+    discrete.require_held(lambda: loads)
+    return unloaded(discrete), 0.0
 
-    def on_point(point: PathPoint) -> None:
+
+class _Points:
+    """The points of a path, recorded as they are reached, with progress by what the path is to end at.
+
+    Attributes:
+        history: of the points; stability: of the last one.
+        displacement: returns that of the place at which the path ends [m]; None if it ends elsewhere.
+    """
+
+    def __init__(self, discrete: DiscreteModel, settings: PathSettings) -> None:
+        self.history = History()
+        self.stability: Stability | None = None
+        self.displacement = None if settings.place is None else _displacement(discrete, settings)
+        self._discrete, self._settings, self._told = discrete, settings, 0.0
+
+    def record(self, point: PathPoint) -> None:
+        """Record a point, in whose state the system is."""
+        discrete, history = self._discrete, self.history
         account = EnergyAccount(elastic=discrete.system.elastic_energy())
         snapshot = Snapshot.of(point.state, discrete.system, discrete.supports)
         step = point.factor - (history.instant[-1] if history.instant else 0.0)
         history.record(point.factor, snapshot, account, step, point.iterations)
         assert point.stability is not None
         history.unstable.append(point.stability.unstable)
-        last.append(point.stability)
+        self.stability = point.stability
         if discrete.options.progress is not None:
-            nonlocal told
-            reached = point.factor if displacement is None else displacement(point)
-            discrete.options.progress(reached, reached - told)
-            told = reached
+            reached = point.factor if self.displacement is None else self.displacement(point)
+            discrete.options.progress(reached, reached - self._told)
+            self._told = reached
 
-    def ending(point: PathPoint) -> float:
-        assert displacement is not None
-        assert settings.displacement is not None
-        return (displacement(point) - settings.displacement) / discrete.problem.length
+    def beyond(self, point: PathPoint) -> float:
+        """Return how far a point is beyond the displacement that ends the path, in the length of the model."""
+        assert self.displacement is not None
+        assert self._settings.displacement is not None
+        return (self.displacement(point) - self._settings.displacement) / self._discrete.problem.length
 
-    path = PathFollower(discrete.static).follow(
-        state,
-        first=first,
-        load_factor=settings.target,
-        endings=[] if displacement is None else [ending],
-        wanted=settings.load_factors,
-        largest=settings.arc_length,
-        points=settings.points,
-        limit_point=settings.limit_point,
-        branch=settings.branch,
-        on_point=on_point,
-    )
-    attrs: dict[str, Any] = {
+
+def _course(path: Path) -> dict[str, Any]:
+    """Return the attributes of a path."""
+    return {
         "outcome": path.outcome.name.lower(),
         "steps": path.count,
         "iterations": path.iterations,
@@ -90,17 +128,6 @@ def equilibrium_path(discrete: DiscreteModel, settings: PathSettings) -> Equilib
         "flutter_points": json.dumps(path.flutter),
         "parting": json.dumps(path.parting),
     }
-    discrete.watch.see_path(history, abs(settings.target or 1.0))
-    attrs |= discrete.watch.attributes
-    if path.outcome is not Outcome.COMPLETED:
-        attrs["message"] = _failure(discrete, path, history)
-    found = None
-    if path.count:
-        attrs |= stability_attributes(last[-1], lambda: discrete.inertia_known)
-        found = Equilibrium.later(discrete.arrays("equilibrium", history, attrs))
-    if found is None or path.outcome not in (Outcome.COMPLETED, Outcome.POINTS):
-        raise SolveError(attrs["message"], found, coarse=path.outcome is Outcome.WRAPPED)
-    return found
 
 
 def _displacement(discrete: DiscreteModel, settings: PathSettings) -> Callable[[PathPoint], float]:

@@ -9,19 +9,19 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.folded_rods import FOLDED, folded
+from viscorod.analyses.motion_start import MotionStart
 from viscorod.analyses.motion_stepping import stepping
 from viscorod.mechanics.rotations.quaternion import conjugate, product
 from viscorod.results.between_records import Instants
 from viscorod.results.probe import PartsRead
 from viscorod.results.run import Run
 from viscorod.results.step_error import MOTION
-from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshots, station_reader
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.solve.statics.newton import Outcome
@@ -115,24 +115,22 @@ class SecondRun(NamedTuple):
 def second_run(
     discrete: DiscreteModel,
     settings: SimulateSettings,
-    start: State,
+    start: MotionStart,
     make: Callable[..., Integrator],
-    linear: Callable[[], Any],
-    modes: Callable[[], Any],
     end: float,
     time_step: float | None = None,
 ) -> SecondRun | None:
     """Compute a motion again with smaller steps.
 
     Args:
-        start: the state at t = 0; make: makes an integrator with a system of its own.
-        linear, modes: see ``motion_stepping.stepping``; end: of the motion [s], which an event may have ended.
+        start: of the motion; make: makes an integrator with a system of its own.
+        end: of the motion [s], which an event may have ended.
         time_step: of equal steps [s]; None for smaller ones than those of the first run.
 
     Returns:
         None if it ends before its time.
     """
-    integrator, control, _ = stepping(discrete, settings, linear, make, start, modes)
+    integrator, control, _ = stepping(discrete, settings, start.vibrations, make, start.begin, start.modes)
     _sharpen(integrator, control)
     if isinstance(control, FixedSteps):
         control.time_step = time_step or control.time_step
@@ -146,7 +144,7 @@ def second_run(
         return "" if stop is None else stop()
 
     result = transient.run(
-        start.copy(),
+        start.begin.copy(),
         end,
         output_interval=float(times[0]),
         progress=progress if getattr(progress, "again", False) else None,  # others count steps of the result

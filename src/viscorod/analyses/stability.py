@@ -10,7 +10,9 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import require_no_initial_strain
 from viscorod.analyses.followed import (
+    common_attributes,
     common_variables,
+    doubts,
     errors_of,
     followed,
     limits_of,
@@ -68,25 +70,9 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: St
     better = None if finer is None else partial(_equilibria, finer, settings)
     errors = errors_of(discrete, better, tracker, samples, found)
     names = names_of(discrete, family.state(factors[0]), samples[0])
-    notes: list[str] = []
-    variables, coordinates = common_variables(
-        "load_factor", samples, names, found, met, errors, tracker, notes
-    )
-    roots = np.array([sample.roots for sample in samples])
-    along = ("load_factor", "mode")
-    variables |= {
-        "frequency": (along, np.abs(roots.imag) / (2.0 * np.pi)),
-        "damping_ratio": (along, -roots.real / np.maximum(np.abs(roots), np.finfo(float).tiny) + 0.0),
-    }
-    attrs = discrete.complete(
-        {
-            "kind": Stability.kind,
-            "outcome": "stopped" if tracker.stopped else "completed",
-            "constant": json.dumps(list(settings.constant)),
-            "nodes": discrete.problem.size,
-            "iterations": family.iterations,
-            "warnings": json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *notes]),
-        }
-    )
+    variables, coordinates = common_variables("load_factor", samples, names, found, met, errors)
+    notes = doubts("load_factor", samples, names, errors, tracker)
+    constant = json.dumps(list(settings.constant))
+    attrs = common_attributes(discrete, Stability.kind, tracker, family.iterations, notes, constant=constant)
     result = Stability(xr.Dataset(variables, coordinates | {"load_factor": np.array(factors)}, attrs))
     return whole(result, tracker)

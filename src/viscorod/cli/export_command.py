@@ -64,53 +64,43 @@ def export(
     viscorod export run.nc --csv tip.csv --history beam.end --quantity velocity --energy
     """
     with readable_errors():
-        from viscorod.results.files import csv_text
-        from viscorod.results.run import Run
-
-        if csv is None and vtk is None:
-            raise InputError(
-                Fault("export", "", "nothing to write", "give --csv FILE.csv or --vtk FILE.vtkhdf")
-            )
-        if csv is None and (history or quantity or energy or joint):
-            raise InputError(
-                Fault(
-                    "export",
-                    "",
-                    "--history, --quantity, --energy and --joint go with --csv",
-                    "add --csv FILE.csv",
-                )
-            )
+        named = bool(history or energy or joint)
+        _require_targets(csv, vtk, named=named or bool(quantity))
         if quantity and not history:
             raise InputError(Fault("--quantity", "", "no place is named", "add --history PLACE"))
+        if csv is not None and not named:
+            why, instead = "nothing to write is named", "add --history PLACE, --energy or --joint NAME"
+            raise InputError(Fault("--csv", str(csv), why, instead))
+        if vtk is None and times is not None:
+            why, instead = "goes with --vtk only", "use viscorod probe for a table"
+            raise InputError(Fault("--times", times, why, instead))
+        if vtk is None and sections:
+            raise InputError(Fault("--sections", "", "goes with --vtk only", "add --vtk FILE.vtkhdf"))
         found = opened(result)
         if csv is not None:
-            if not (history or energy or joint):
-                raise InputError(
-                    Fault(
-                        "--csv",
-                        str(csv),
-                        "nothing to write is named",
-                        "add --history PLACE, --energy or --joint NAME",
-                    )
-                )
+            from viscorod.results.files import csv_text
+
             columns = csv_text.history_columns(found, history or (), quantity or ("position",))
             if energy:
                 columns |= csv_text.energy_columns(found)
             columns |= csv_text.joint_columns(found, joint or ())
             written([csv_text.write(columns, csv)], first=True)
-        if vtk is None:
-            if times is not None:
-                raise InputError(
-                    Fault("--times", times, "goes with --vtk only", "use viscorod probe for a table")
-                )
-            if sections:
-                raise InputError(Fault("--sections", "", "goes with --vtk only", "add --vtk FILE.vtkhdf"))
-            return
-        from viscorod.results.files.paraview import write_paraview
+        if vtk is not None:
+            from viscorod.results.files.paraview import write_paraview
+            from viscorod.results.run import Run
 
-        chosen = None if times is None else range_of("--times", times, "s")
-        if chosen is not None and not isinstance(found, Run):
-            raise InputError(
-                Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
-            )
-        written([write_paraview(found, vtk, chosen, sections=sections)], first=True)
+            chosen = None if times is None else range_of("--times", times, "s")
+            if chosen is not None and not isinstance(found, Run):
+                raise InputError(
+                    Fault("--times", str(times), f"{result} holds no motion over time", "leave --times out")
+                )
+            written([write_paraview(found, vtk, chosen, sections=sections)], first=True)
+
+
+def _require_targets(csv: Path | None, vtk: Path | None, *, named: bool) -> None:
+    """Refuse a command that says of no file to be written, or only what a table is to hold."""
+    if csv is None and vtk is None:
+        raise InputError(Fault("export", "", "nothing to write", "give --csv FILE.csv or --vtk FILE.vtkhdf"))
+    if csv is None and named:
+        why = "--history, --quantity, --energy and --joint go with --csv"
+        raise InputError(Fault("export", "", why, "add --csv FILE.csv"))

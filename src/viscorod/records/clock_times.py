@@ -14,7 +14,9 @@ __all__ = ["clock_seconds", "is_clock_time", "is_date", "since_first"]
 
 _CLOCK = re.compile(
     r"\s*(?:(?P<date>\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2})[ T]\s*)?"
-    r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:[.,]\d*)?)\s*(?:Z|[+-]\d\d:?\d\d)?\s*"
+    r"(?P<hour>\d{1,3}):(?P<minute>[0-5]\d):(?P<second>[0-5]\d(?:[.,]\d*)?)\s*"
+    r"(?P<half>[ap]\.?m\.?)?\s*(?:Z|UTC|[+-]\d\d:?\d\d)?\s*",
+    re.IGNORECASE,
 )
 _DATE = re.compile(
     r"\s*(?:\d{4}[-./]\d{1,2}[-./]\d{1,2}|\d{1,2}[./-]\d{1,2}[./-]\d{4}|\d{1,2}[./]\d{1,2}[./]\d{2})\s*"
@@ -43,13 +45,21 @@ def clock_seconds(cells: Sequence[str]) -> Floats | None:
         return None
     seconds = np.array(
         [
-            3600.0 * float(one["hour"]) + 60.0 * float(one["minute"]) + float(one["second"].replace(",", "."))
+            3600.0 * _hour(one["hour"], one["half"])
+            + 60.0 * float(one["minute"])
+            + float(one["second"].replace(",", "."))
             for one in found
             if one is not None
         ]
     )
     midnights = np.cumsum(np.diff(seconds, prepend=seconds[0]) < -0.5 * DAY)
     return np.asarray(np.round(seconds + DAY * midnights - seconds[0], 9))
+
+
+def _hour(written: str, half: str | None) -> float:
+    """Return the hour of the day; of a clock of twelve hours, that begins with 12, with its half of the day."""
+    hour = float(written)
+    return hour if half is None else hour % 12.0 + (12.0 if half[0] in "pP" else 0.0)
 
 
 def since_first(values: Any) -> Floats | None:

@@ -3,53 +3,18 @@
 from __future__ import annotations
 
 import difflib
-import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
 import numpy as np
 
 from viscorod.errors import Fault, InputError
-from viscorod.model.fields.definition import RefusedError, show
+from viscorod.model.fields.definition import show
+from viscorod.records.column_units import COUNTS, name_and_unit, si_factor, weight_of
 from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
-from viscorod.units import si_of, si_value
 
-__all__ = ["COUNTS", "Columns", "is_unit", "name_and_unit", "si_factor", "si_size", "stacked"]
-
-GRAVITY = 9.80665
-"""m/s^2 of the unit g of accelerometers."""
-_BRACKETS = re.compile(
-    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*(?:\([^()]*\)[^()]*)*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
-)
-_PLAIN = {"-": "1", "": "", "1": "1", **dict.fromkeys(("sec", "Sec", "seconds", "Seconds", "sec."), "s")}
-_SPELT = {
-    **{"m/s2": "m/s^2", "m/s²": "m/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "um": "µm"},
-    **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain", "microstrains"), "ustrain"),
-    **dict.fromkeys(("m/m", "strain", "e"), "1"),
-    **dict.fromkeys(("mil", "mils"), "thou"),
-}
-"""Other spellings of units; micro and epsilon are written as u or µ, and e."""
-_GRAVITIES = {"g": 1.0, "G": 1.0, "gn": 1.0, "mg": 1e-3, "mG": 1e-3, "ug": 1e-6, "µg": 1e-6}
-"""Units of accelerometers, in `GRAVITY`: of an acceleration g is no gram."""
-_PLAIN_NUMBER = r"(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?"
-COUNTS = (
-    "VOLT",
-    "Volt",
-    "Volts",
-    "px",
-    "pix",
-    "pixel",
-    "pixels",
-    "V",
-    "mV",
-    "volt",
-    "volts",
-    "counts",
-    "digits",
-    "LSB",
-)
-"""What cameras and amplifiers give, of which only the user knows the size."""
+__all__ = ["Columns", "stacked"]
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,15 +79,15 @@ class Columns:
         )
 
     def timed(self, interval: float, name: str) -> Columns:
-        """Return the columns with one of times before them, which takes the place of one of the same name."""
-        kept = [k for k, own in enumerate(self.names) if own != name]
+        """Return the columns with one of times in the place of that of this name, or behind all others."""
+        k = self.names.index(name) if name in self.names else len(self.names)
         times = interval * np.arange(len(self.values))
         return replace(
             self,
-            names=(name, *(self.names[k] for k in kept)),
-            units=("s", *(self.units[k] for k in kept)),
-            values=np.column_stack([times, self.values[:, kept]]),
-            texts={place: self.texts[k] for place, k in enumerate(kept, 1) if k in self.texts},
+            names=(*self.names[:k], name, *self.names[k + 1 :]),
+            units=(*self.units[:k], "s", *self.units[k + 1 :]),
+            values=np.column_stack([self.values[:, :k], times, self.values[:, k + 1 :]]),
+            texts={place: one for place, one in self.texts.items() if place != k},
         )
 
     def kept(self, gaps: str, wanted: Sequence[tuple[str, str | int]]) -> Columns:
@@ -169,6 +134,14 @@ class Columns:
                     f"give {argument}, the size of one, such as {argument}='0.21 {unit}'",
                 )
             written = None
+        if written is not None and (force := weight_of(written, unit)) is not None:
+            if given is None:
+                raise self._refused(
+                    key, written, f"{column} has masses, and a force is needed",
+                    f"give {argument} = {force!r} where they hang, their weight at 9.80665 m/s^2",
+                )  # fmt: skip
+            if given == force:
+                written = None
         if (
             given is not None
             and written is not None
@@ -226,149 +199,6 @@ class Columns:
 
     def _refused(self, key: str, found: object, why: str, instead: str) -> InputError:
         return InputError(Fault(f"{self.source}: {key}", show(found), why, instead))
-
-
-def si_factor(source: str, column: str, written: str, unit: str) -> float:
-    """Return the SI value of a unit of the kind of an SI unit.
-
-    Raises:
-        InputError: it is no unit, or one of another kind.
-    """
-    size, written = _number_and_unit(written)
-    if size is not None:
-        return size * si_factor(source, column, written, unit)
-    plain = _PLAIN.get(written.strip(), written.strip()).replace("μ", "µ").replace("ε", "e")
-    if unit == "m/s^2" and plain in _GRAVITIES:
-        return GRAVITY * _GRAVITIES[plain]
-    plain = _small(_SPELT.get(plain, plain))
-    if unit == "1":
-        if plain in ("1", "%", "ustrain", "mm/m"):
-            return {"1": 1.0, "%": 1e-2, "ustrain": 1e-6, "mm/m": 1e-3}[plain]
-        raise InputError(
-            Fault(
-                f"{source}: {column}",
-                show(written),
-                "this quantity is a plain number",
-                "use 1, %, mm/m or ustrain",
-            )
-        )
-    try:
-        return si_value(f"1 {plain}", unit, column)
-    except RefusedError as error:
-        raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
-
-
-def _number_and_unit(text: str) -> tuple[float | None, str]:
-    """Return the number and the unit of the size of one count, "0.21 mm", "1/30 s"; None where a unit stands alone."""
-    found = re.fullmatch(rf"\s*([+-]?{_PLAIN_NUMBER})(?:\s*/\s*({_PLAIN_NUMBER}))?\s+(\S.*)", text)
-    if found is None or (found[2] is not None and float(found[2]) == 0.0):
-        return None, text
-    return float(found[1]) / float(found[2] or 1.0), found[3]
-
-
-def si_size(source: str, column: str, written: str) -> float:
-    """Return the SI value of a unit of a response, of any kind; g is that of accelerometers.
-
-    Raises:
-        InputError: it is no unit.
-    """
-    size, written = _number_and_unit(written)
-    if size is not None:
-        return size * si_size(source, column, written)
-    if written.strip() in ("1", "-", ""):
-        return 1.0
-    gravities = re.match(r"\s*\(?\s*(m?[gG]|gn)\s*\)?\s*(?:/|$)", written)
-    if gravities:  # of an accelerometer over a force: no response is a mass
-        over = written[gravities.end() :].strip()
-        size = GRAVITY * _GRAVITIES[gravities[1]]
-        return size / si_size(source, column, over) if over else size
-    try:
-        return si_of(re.sub(r"/([^/()]+)/([^/()]+)$", r"/(\1 \2)", written.replace("²", "^2")))
-    except RefusedError as error:
-        raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
-
-
-def name_and_unit(cell: str) -> tuple[str, str | None]:
-    """Return the name and the unit of a heading: "t [s]", "t (s)", "t / s", "x in mm", "tip_x_m", "time, s"."""
-    text = cell.strip().lstrip("#%").strip()
-    if len(text) > 1 and text[0] == text[-1] == '"':
-        text = text[1:-1]
-    found = _BRACKETS.match(text)
-    if found:
-        unit = next(part for part in (found["a"], found["b"], found["c"], found["d"]) if part is not None)
-        if found["c"] is None or _is_unit(unit):
-            return found["name"].strip(), _PLAIN.get(unit.strip(), unit.strip()) or None
-    for mark in (",", "_", " "):
-        name, _, unit = text.rpartition(mark)
-        if name and (_is_unit(unit.strip()) or (mark == "_" and unit in COUNTS)):
-            return name.strip(), unit.strip()
-    two = re.fullmatch(r"(.+?)[_ ](mm?|cm|[km]?N|um|µm)_(s2?)", text)
-    if two:
-        return two[1], f"{two[2]}/{two[3].replace('s2', 's^2')}"
-    return text, None
-
-
-_ENDINGS = (
-    *(
-        "s",
-        "ms",
-        "us",
-        "µs",
-        "min",
-        "h",
-        "m",
-        "mm",
-        "cm",
-        "um",
-        "µm",
-        "in",
-        "N",
-        "mN",
-        "kN",
-        "Hz",
-        "kHz",
-        "N m",
-    ),
-    *(
-        "Pa",
-        "kPa",
-        "MPa",
-        "GPa",
-        "m/s",
-        "mm/s",
-        "m/s^2",
-        "m/s2",
-        "mm/s^2",
-        "g",
-        "rad",
-        "deg",
-        "°",
-        "rad/s",
-        "%",
-        "ustrain",
-    ),
-)
-"""Units that are known after a name without brackets."""
-
-
-def _is_unit(text: str) -> bool:
-    return text in _ENDINGS
-
-
-def is_unit(text: str) -> bool:
-    """Return whether a text is a unit and nothing else, as in a line of units below names."""
-    if _is_unit(text) or text in _PLAIN or text in _SPELT:
-        return True
-    try:
-        si_of(_small(text))
-    except RefusedError:
-        return False
-    return True
-
-
-def _small(text: str) -> str:
-    """Return a unit that is written out, in small letters; symbols as they are."""
-    return text.lower() if len(text) > 3 and text.isalpha() and not text[1:].isupper() else text
 
 
 def stacked(

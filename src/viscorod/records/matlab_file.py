@@ -9,7 +9,8 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError, let_interrupts_through
-from viscorod.records.columns import Columns, name_and_unit, stacked
+from viscorod.records.column_units import name_and_unit
+from viscorod.records.columns import Columns, stacked
 
 __all__ = ["columns_of_matlab"]
 

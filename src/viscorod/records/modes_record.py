@@ -13,7 +13,7 @@ from viscorod.records.arguments import described
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
-__all__ = ["ModesRecord"]
+__all__ = ["ModesRecord", "spread_of_ratios"]
 
 
 RATIOS: dict[str, Callable[[Floats], Floats]] = {
@@ -213,3 +213,10 @@ def _ratios(where: str, given: Any, measure: str) -> Floats:
             Fault(f"{where}: damping_ratios", "", "quality factors are positive", "leave undamped modes out")
         )
     return RATIOS[measure](values)
+
+
+def spread_of_ratios(given: Floats, deviations_given: Floats, measure: str) -> Floats:
+    """Return the standard deviations of damping ratios from those of a measure of damping (n,)."""
+    if measure not in RATIOS:
+        return deviations_given  # refused by the record
+    return 0.5 * np.abs(RATIOS[measure](given + deviations_given) - RATIOS[measure](given - deviations_given))

@@ -162,6 +162,13 @@ class Record(AnyRecord):
             if rate <= 0.0:
                 raise InputError(Fault("rate", f"{rate:g}", "it is not positive", "give samples per second"))
             columns, time = columns.timed(1.0 / rate, "time"), "time"
+        elif columns.number("time", time) == columns.number("value", value):
+            raise InputError(
+                Fault(
+                    f"{columns.source}: time", repr(time), "this column has the values, and none has times",
+                    "give rate, samples per second, or the column of the times",
+                )
+            )  # fmt: skip
         columns = columns.kept(gaps, [("time", time), ("value", value)])
         if quantity not in QUANTITIES:
             raise InputError(

@@ -10,7 +10,8 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.records.clock_times import since_first
-from viscorod.records.columns import Columns, is_unit, name_and_unit, stacked
+from viscorod.records.column_units import is_unit, name_and_unit
+from viscorod.records.columns import Columns, stacked
 from viscorod.records.matlab_file import columns_of_matlab
 from viscorod.records.text_file import columns_of_text
 from viscorod.records.uff_file import columns_of_uff

@@ -26,6 +26,7 @@ from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
 from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
 from viscorod.records.response_doubts import turns_backwards, window_doubts
 from viscorod.records.response_record import ResponseRecord
+from viscorod.records.response_unit import is_load_over_motion
 from viscorod.results.modal_fit_result import ModalFit
 from viscorod.results.resonances import resonances_of
 from viscorod.results.text_numbers import per_cent
@@ -125,6 +126,12 @@ def modal_fit(
         "left out"
         for (k, _), found in zip(peaks, modes, strict=True)
         if not found
+    ]
+    doubts += [
+        f"{one.name} is in {one.unit}, a load over a motion: its peaks are modes of what is left free when the driven "
+        "place is held; of the structure itself give the motion over the load, 1/H"
+        for one in listed
+        if is_load_over_motion(one.unit)
     ]
     return _result(hertz, listed, [found for found in modes if found], doubts, step, title)
 

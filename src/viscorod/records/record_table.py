@@ -6,21 +6,34 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from viscorod.argument_names import MISSING
 from viscorod.checks import file_path
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord
 from viscorod.records.arguments import described
-from viscorod.records.modes_record import ModesRecord
+from viscorod.records.columns import Columns
+from viscorod.records.modes_record import ModesRecord, spread_of_ratios
 from viscorod.records.moduli_record import ModuliRecord
 from viscorod.records.motion_record import Record
 from viscorod.records.other_files import columns_of
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import StaticRecord
 from viscorod.records.unknown import Unknown
+from viscorod.typing import Floats
 
 __all__ = ["record_of"]
 
+MODE_COLUMNS = {
+    "frequency": "Hz",
+    "damping_ratio": "1",
+    "frequency_noise": "Hz",
+    "ratio_noise": "1",
+    "modes": "1",
+}
+"""Columns of a table of modes, with their units."""
+BRANCHES = ("loading", "unloading")
 MOTION_KEYS = ("window", "every", "still", "window_time")
 """What is done to a history after it was read: an exponential window taken off, then noise, cut, decimated."""
 
@@ -90,37 +103,84 @@ def _response(given: dict[str, Any]) -> AnyRecord:
 
 
 def _modes(given: dict[str, Any]) -> AnyRecord:
-    """Return a table of frequencies; from a file by the columns `frequency` and, if given, `damping_ratio`."""
+    """Return a table of frequencies; from a file by the names or numbers of its columns.
+
+    `frequency`, and if given `damping_ratio`, their standard deviations `frequency_noise` and `ratio_noise`, and
+    `modes` (whole numbers) are columns then; numbers and lists of the last three are what they say.
+    """
     file = given.pop("file", None)
-    if file is not None:
-        gaps, wanted = given.pop("gaps", "refuse"), [("frequency", given.get("frequency", 1))]
-        if "damping_ratio" in given:
-            wanted.append(("damping_ratio", given["damping_ratio"]))
-        columns = columns_of(file).kept(gaps, wanted)
-        given["frequencies"] = columns.si(
-            "frequency", given.pop("frequency", 1), "Hz", given.pop("frequency_unit", None)
+    if file is None:
+        return ModesRecord(**given)
+    given.setdefault("frequency", 1)
+    named = [key for key in MODE_COLUMNS if isinstance(given.get(key), str) or key == "frequency"]
+    named += ["damping_ratio"] if isinstance(given.get("damping_ratio"), int) else []
+    columns = columns_of(file).kept(given.pop("gaps", "refuse"), [(key, given[key]) for key in named])
+    of_ratios = given.pop("damping_ratio_unit", None)
+    hertz = given.pop("frequency_unit", None)
+    found = {
+        key: columns.si(key, one := given.pop(key), MODE_COLUMNS[key],
+                        _unit_of_mode(columns, key, one, hertz, of_ratios, given.get("damping_as", "ratio")))
+        for key in named
+    }  # fmt: skip
+    given["frequencies"] = found.pop("frequency")
+    if "damping_ratio" in found:
+        given["damping_ratios"] = found.pop("damping_ratio")
+    if "ratio_noise" in found and "damping_ratios" in given:
+        found["ratio_noise"] = spread_of_ratios(
+            given["damping_ratios"], found["ratio_noise"], given.get("damping_as", "ratio")
         )
-        if "damping_ratio" in given:
-            ratio = given.pop("damping_ratio")
-            plain = "1" if given.get("damping_as", "ratio") != "ratio" else None
-            if plain is not None and columns.units[columns.number("damping_ratio", ratio)] is not None:
-                plain = None  # per cent of critical that the table calls so are ratios by then
-            given["damping_ratios"] = columns.si(
-                "damping_ratio", ratio, "1", given.pop("damping_ratio_unit", plain)
-            )
-    return ModesRecord(**given)
+    if "modes" in found:
+        given["modes"] = [int(one) if one == int(one) else float(one) for one in found.pop("modes")]
+    return ModesRecord(**given, **found)
+
+
+def _unit_of_mode(
+    columns: Columns, key: str, column: str | int, hertz: str | None, of_ratios: str | None, measure: str
+) -> str | None:
+    """Return the unit of a column of a table of modes where the file does not say."""
+    if key in ("frequency", "frequency_noise"):
+        return hertz
+    if key == "modes":
+        return "1"
+    if measure != "ratio" and columns.units[columns.number(key, column)] is None:
+        return of_ratios or "1"
+    return of_ratios  # per cent of critical that the table calls so are ratios by then
 
 
 def _static(given: dict[str, Any]) -> AnyRecord:
-    """Return static loads; from a file by the columns `load` and `value`."""
+    """Return static loads; from a file by the columns `load` and `value`, of there and back one `branch`."""
     file = given.pop("file", None)
     if file is not None:
         load, value = given.pop("load", 1), given.pop("value", 2)
         columns = columns_of(file).kept(given.pop("gaps", "refuse"), [("load", load), ("value", value)])
         unit = "1" if given.get("quantity") == "strain" else "N" if given.get("quantity") == "force" else "m"
-        given["loads"] = columns.si("load", load, "N", given.pop("load_unit", None))
-        given["values"] = columns.si("value", value, unit, given.pop("unit", None))
+        loads = columns.si("load", load, "N", given.pop("load_unit", None))
+        values = columns.si("value", value, unit, given.pop("unit", None))
+        rows = _branch(columns.source, loads, given.pop("branch", None))
+        given["loads"], given["values"] = loads[rows], values[rows]
     return StaticRecord(**given)
+
+
+def _branch(source: str, loads: Floats, branch: Any) -> slice:
+    """Return the rows of loads that go up, or those that come back, the lowest first; all where none is asked for.
+
+    Raises:
+        InputError: it is no word, or loads go there and back and nobody says which part is meant.
+    """
+    top = int(np.argmax(loads))
+    if branch not in (None, *BRANCHES):
+        raise InputError(Fault("branch", repr(branch), "it is not known", f"use {' or '.join(BRANCHES)}"))
+    if branch is None:
+        there_and_back = 0 < top < len(loads) - 1 and (np.diff(loads[: top + 1]) > 0.0).all()
+        if there_and_back and (np.diff(loads[top:]) < 0.0).all():
+            why = f"the loads go up to {loads[top]:g} in row {top + 1}, and back"
+            raise InputError(
+                Fault(
+                    f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each"
+                )
+            )
+        return slice(None)
+    return slice(0, top + 1) if branch == "loading" else slice(None, top - 1 if top else None, -1)
 
 
 def _moduli(given: dict[str, Any]) -> AnyRecord:

@@ -13,9 +13,11 @@ from scipy.ndimage import uniform_filter1d
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.columns import Columns, si_size
+from viscorod.records.column_units import si_size_and_kind
+from viscorod.records.columns import Columns
 from viscorod.records.one_sided import mirrored_from, one_sided
 from viscorod.records.other_files import columns_of
+from viscorod.records.response_unit import require_same_unit, si_unit_of_kind, unit_of_response
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
@@ -28,7 +30,9 @@ SCATTER = 40.0
 WINDOWS = ("exponential", "hann")
 EXCITATIONS = ("blow", "noise")
 DEGREE = float(np.pi / 180.0)
-_DECIBEL = re.compile(r"\s*dB\s*(?:\(?\s*re\.?:?\s*(.+?)\s*\)?)?\s*", re.IGNORECASE)
+_DECIBEL = re.compile(
+    r"\s*dB\s*(?:\(\s*(?:re[fl]?\b\.?:?)?\s*(.+?)\s*\)|re[fl]?\b\.?:?\s*(.+?))?\s*", re.IGNORECASE
+)
 _PHASE = re.compile(r"phase|angle|winkel|^arg\b|^phi\b|φ", re.IGNORECASE)
 _MAGNITUDE = re.compile(r"^mag|magnitude|betrag|^ampl|^abs\b|^\|", re.IGNORECASE)
 """Names of columns of magnitudes and phases, in English and German."""
@@ -148,6 +152,8 @@ class ResponseRecord(AnyRecord):
         frequencies: increasing, Hz (n,).
         values: complex, SI units of output over input (n,).
         output, source: words or numbers of the output and the input of the model's response.
+        unit: SI unit of the values, such as "m/s^2/N", which that of the model's response must be; None where it is not
+            known.
         noise: standard deviation of real and imaginary part, one number or (n,); None where it is not known.
         coherence: from 0 to 1 (n,), and averages: of how many records the response is the mean; together they tell the
             noise, ``|H| sqrt((1 - coherence)/(2 averages coherence))`` (J. S. Bendat and A. G. Piersol, Random Data,
@@ -178,6 +184,7 @@ class ResponseRecord(AnyRecord):
         *,
         output: str | int = 0,
         source: str | int = 0,
+        unit: str | None = None,
         noise: Any = None,
         coherence: Any = None,
         averages: int | None = None,
@@ -213,7 +220,7 @@ class ResponseRecord(AnyRecord):
                     f"give the first {mirrored} lines",
                 )
             )  # fmt: skip
-        self.output, self.source = output, source
+        self.output, self.source, self.unit = output, source, unit_of_response(where, unit)
         self.window, self.window_time, self.excitation = window, window_time, excitation
         _require_window(where, window, window_time, excitation)
         if coherence is not None or averages is not None:
@@ -292,20 +299,18 @@ class ResponseRecord(AnyRecord):
             told[0], unit = unit, None
         decibel = _DECIBEL.fullmatch(str(told[0])) if turn is not None else None
         if decibel is not None:
-            told[0] = decibel[1]
-        written = set(told[:1] if turn is not None else told)
-        if unit is not None:
-            written = {unit}
-        if written in (set(), {None}) or len(written) > 1:
-            raise InputError(
-                Fault(
-                    f"{columns.source}: value",
-                    repr(value),
-                    "it is not said what 0 dB are" if decibel else "its unit is not known",
-                    "give unit, such as 'm/s^2/N'",
+            told[0] = decibel[1] or decibel[2]
+        written = [unit] if unit is not None else told[:1] if turn is not None else told
+        if None in written or len(set(written)) > 1:
+            why = "it is not said what 0 dB are" if decibel else "its unit is not known"
+            if len(set(written)) > 1:
+                why = " and ".join(
+                    f"{part} is in {one or 'no unit'}" for part, one in zip(parts, told, strict=True)
                 )
+            raise InputError(
+                Fault(f"{columns.source}: value", repr(value), why, "give unit, such as 'm/s^2/N'")
             )
-        size = si_size(columns.source, "value", str(written.pop()))
+        size, kind = si_size_and_kind(columns.source, "value", str(written[0]))
         if turn is not None:
             magnitude = 10.0 ** (numbers[0].real / 20.0) if decibel else numbers[0].real
             values = magnitude * np.exp(1j * turn * numbers[1].real)
@@ -318,12 +323,12 @@ class ResponseRecord(AnyRecord):
         if coherence is not None:
             columns = replace(columns, values=columns.values[kept])
             more["coherence"] = columns.si("coherence", coherence, "1", _plain(columns, coherence))
-        return cls(hertz[kept], size * values[kept], **more)
+        return cls(hertz[kept], size * values[kept], unit=si_unit_of_kind(kind), **more)
 
     @property
     def axes(self) -> tuple[tuple[str, str], ...]:
-        """See `AnyRecord`; the unit is SI of output over input, which no record says by a word."""
-        return (("real part", ""), ("imaginary part", ""))
+        """See `AnyRecord`."""
+        return (("real part", self.unit or ""), ("imaginary part", self.unit or ""))
 
     @property
     def values(self) -> np.ndarray:
@@ -339,6 +344,7 @@ class ResponseRecord(AnyRecord):
             self.values.conj(),
             output=self.output,
             source=self.source,
+            unit=self.unit,
             noise=None if self.noise is None else self.noise[: len(self.frequencies)],
             window=self.window,
             window_time=self.window_time,
@@ -372,6 +378,10 @@ class ResponseRecord(AnyRecord):
                 f"{hertz[0]:.6g} to {hertz[-1]:.6g} Hz; compute it over the band of the record"
             )
         response = np.asarray(result.response(self.output, self.source))
+        if self.unit is not None:
+            gain = any(one.name == "gain" for one in self.nuisances.values())
+            modelled = str(result.unit(self.output, self.source))
+            require_same_unit(f"record {self.name}", self.unit, modelled, gain=gain)
         values = self.values_of(nuisances)
         model = np.interp(mine, hertz, response.real) + 1j * np.interp(mine, hertz, response.imag)
         shown = self.nuisance("gain", values, 1.0) * model

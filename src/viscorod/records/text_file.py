@@ -17,7 +17,8 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.table_text import MISSING, SEPARATORS, Numbers, lines_of, looks_like_a_number
 from viscorod.records.clock_times import clock_seconds, is_clock_time, is_date
-from viscorod.records.columns import COUNTS, Columns, is_unit, name_and_unit
+from viscorod.records.column_units import COUNTS, is_unit, name_and_unit
+from viscorod.records.columns import Columns
 from viscorod.records.complex_cells import (
     complex_of,
     complex_parts,
@@ -33,6 +34,10 @@ _BARE = ("", "-", "1", "C", "°C", "K", "F", "°F")
 """Units that are none beside a name."""
 _COUNTED = ("sequence", "samples", "points")
 """What stands for the unit of a column that counts samples."""
+SEEN = 20
+"""Lines of numbers that tell how a table is divided."""
+_ONE = re.compile(r"[-+\N{MINUS SIGN}]?(?:\d+[.,]?\d*|[.,]\d+)(?:[eEdD][-+]?\d+)?")
+"""A line of one number; with a comma it may be two."""
 _REMARK = re.compile(r"\s*(#|%|//)")
 
 
@@ -58,8 +63,8 @@ def _table(source: str, written: list[str]) -> Columns:
     rows: list[tuple[int, list[str]]] = []
     for number in range(first, len(lines) + 1):
         line = lines[number - 1]
-        if not line.strip() or _REMARK.match(line):
-            continue
+        if (not line.strip() and width > 1) or _REMARK.match(line):
+            continue  # in a single column an empty line is a sample without a number
         cells = _cells(line, divide, width)
         if len(cells) != width or not any(map(_measured, cells)):
             below = (_cells(text, divide, width) for text in lines[number:])
@@ -127,8 +132,10 @@ def _layout(lines: list[str]) -> tuple[Callable[[str], list[str]], int, int]:
 
     Of the ways to divide, that counts by which the first lines of numbers have the same number of cells, two or more.
     """
+    at = [k for k, line in enumerate(lines, 1) if line.strip() and not _REMARK.match(line)]
+    if (alone := _one_column(lines, at)) is not None:
+        return _whole, alone, 1
     for _, below in SEPARATORS.values():
-        at = [k for k, line in enumerate(lines, 1) if line.strip() and not _REMARK.match(line)]
         for place, k in enumerate(at):
             cells = _cells(lines[k - 1], below)
             if len(cells) < 2 or not _numeric(cells):
@@ -137,11 +144,43 @@ def _layout(lines: list[str]) -> tuple[Callable[[str], list[str]], int, int]:
             if following and not any(len(other) == len(cells) for other in following):
                 continue
             counts = [len(cells), *(len(other) for other in following if _numeric(other))]
-            return below, k, max(counts, key=lambda count: (counts.count(count), count))
+            usual = max(counts, key=lambda count: (counts.count(count), count))
+            # cells at the end that are empty in the first lines, such as those of remarks, are told by their names
+            named = next((len(below(lines[j - 1])) for j in reversed(at[:place])), 0)
+            return below, k, named if usual < named == len(below(lines[k - 1])) else usual
     raise RefusedError(
-        "there are no lines of two numbers or more",
-        "give a table in columns, with names and units above them",
+        "there are no lines of numbers", "give a table in columns, with names and units above them"
     )
+
+
+def _one_column(lines: list[str], at: list[int]) -> int | None:
+    """Return the first line of numbers of a table of one column; None if it has several.
+
+    Args:
+        lines: of the file.
+        at: the lines, from 1, that are neither empty nor remarks.
+
+    Raises:
+        RefusedError: nothing above the numbers says if their commas are those of decimals.
+    """
+    first = next((k for k in at if _ONE.fullmatch(lines[k - 1].strip())), None)
+    seen = [] if first is None else [lines[k - 1].strip() for k in at if first <= k < first + SEEN]
+    if first is None or not all(_ONE.fullmatch(line) or line.lower() in MISSING for line in seen):
+        return None
+    if not any("," in line for line in seen):
+        return first
+    above = [lines[k - 1] for k in range(1, first) if lines[k - 1].strip()]
+    if above:
+        return None if "," in above[-1] else first
+    raise RefusedError(
+        f"line {first} may be one number with a decimal comma, or two columns",
+        "write the names of the columns above them",
+        found=show(lines[first - 1].strip()),
+    )
+
+
+def _whole(line: str) -> list[str]:
+    return [line.strip()]
 
 
 def _cells(line: str, divide: Callable[[str], list[str]], width: int | None = None) -> list[str]:

@@ -17,7 +17,8 @@ from typing import Any
 import numpy as np
 
 from viscorod.errors import Fault, InputError, let_interrupts_through
-from viscorod.records.columns import Columns, si_factor, stacked
+from viscorod.records.column_units import si_factor
+from viscorod.records.columns import Columns, stacked
 
 __all__ = ["columns_of_uff"]
 

@@ -168,15 +168,14 @@ def _numbered(what: str) -> Callable[[Any, Sequence[Word]], float]:
     def read(result: Any, words: Sequence[Word]) -> float:
         word = words[0]
         if what == "load_factor":
-            values, names = result.load_factors, []
+            values = result.load_factors
         elif hasattr(result, "poles"):
             s = result.poles
-            names = [str(name) for name in result.data["pole_name"].values]
             values = np.abs(s) / (2.0 * np.pi) if what == "frequency" else -s.real / np.abs(s)
         else:
             values = result.frequencies if what == "frequency" else result.damping_ratios
-            names = list(result.names)
         if isinstance(word, str):
+            names = [] if what == "load_factor" else _names(result)
             if word not in names:
                 raise InputError(f"there is no {word!r}; there are {', '.join(names) or 'numbers only'}")
             return float(values[names.index(word)])
@@ -185,6 +184,13 @@ def _numbered(what: str) -> Callable[[Any, Sequence[Word]], float]:
         return float(values[int(word) - 1])
 
     return read
+
+
+def _names(result: Any) -> list[str]:
+    """Return the names of modes or poles, which follow from shapes: a sixth of a small search for modes."""
+    if hasattr(result, "poles"):
+        return [str(name) for name in result.data["pole_name"].values]
+    return list(result.names)
 
 
 def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:

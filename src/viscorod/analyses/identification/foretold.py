@@ -151,41 +151,28 @@ def _one(
     named: dict[str, float],
     swing: Swing,
 ) -> Foretold | None:
-    record, unknowns, z = swing.record, found.unknowns, found.estimate.z
+    """Return what a law says of one record; None where the data do not tell it, or the record does not swing."""
     believed = {
         full: one
-        for full, one in record.nuisances.items()
+        for full, one in swing.record.nuisances.items()
         if one.key is not None and np.isfinite(one.deviation)
     }
     named |= {full: _believed(member, one) for full, one in believed.items()}
     centre = _swing(member, swing, named)
-    if centre is None:
+    slopes = None if centre is None else _slopes(found, known, member, named, swing, centre)
+    if centre is None or slopes is None:
         return None
-    slopes = np.zeros((len(z), 2))
-    for k, one in enumerate(unknowns):
-        if one.nuisance or member.key_of(one.name) is None:
-            continue
-        step = float(np.clip(known.deviations[k], 1e-3, STEP))
-        value = float(unknowns.values(z + step * np.eye(len(z))[k])[k])
-        beside = _swing(member, swing, {**named, one.name: value})
-        if beside is None:
-            return None
-        slopes[k] = (beside - centre) / step
-    if not all(known.told(row) for row in slopes.T if np.linalg.norm(row) > 0.0):
-        return None
-    reach = float(stats.norm.ppf(0.5 + 0.5 * BOTH_SIDES))
     square = np.zeros(2)
     for column, slope in enumerate(slopes.T):
         if slope.any():
             quantile = float(stats.t.ppf(0.5 + 0.5 * BOTH_SIDES, known.freedom_of(slope)))
             square[column] = (quantile * known.deviation(slope)) ** 2
+    reach = float(stats.norm.ppf(0.5 + 0.5 * BOTH_SIDES))
     rests_on, most = "", 0.0
     for full, belief in believed.items():
-        value = named[full] + 0.5 * belief.deviation
-        beside = _swing(member, swing, {**named, full: value})
-        if beside is None:
+        change = _change_by(belief.deviation, full, member, named, swing, centre)
+        if change is None:
             return None
-        change = 2.0 * (beside - centre)
         square += (reach * change) ** 2
         if abs(change[0]) > most:
             most = float(abs(change[0]))
@@ -197,7 +184,7 @@ def _one(
     (hertz, hertz_width), (ratio, ratio_width) = swing.frequency, swing.ratio
     return Foretold(
         law=law,
-        record=record.name,
+        record=swing.record.name,
         frequency=float(centre[0]),
         frequency_width=float(widths[0]),
         damping_ratio=float(centre[1]),
@@ -208,6 +195,39 @@ def _one(
         measured_ratio_width=ratio_width,
         rests_on=rests_on if (reach * most) ** 2 > MOSTLY * square[0] else "",
     )
+
+
+def _slopes(
+    found: Fitted,
+    known: Covariance,
+    member: Member,
+    named: dict[str, float],
+    swing: Swing,
+    centre: np.ndarray,
+) -> np.ndarray | None:
+    """Return the derivatives of frequency and ratio by the fitted numbers ``(k, 2)``; None if data do not tell them."""
+    unknowns, z = found.unknowns, found.estimate.z
+    slopes = np.zeros((len(z), 2))
+    for k, one in enumerate(unknowns):
+        if one.nuisance or member.key_of(one.name) is None:
+            continue
+        step = float(np.clip(known.deviations[k], 1e-3, STEP))
+        value = float(unknowns.values(z + step * np.eye(len(z))[k])[k])
+        beside = _swing(member, swing, {**named, one.name: value})
+        if beside is None:
+            return None
+        slopes[k] = (beside - centre) / step
+    told = all(known.told(row) for row in slopes.T if np.linalg.norm(row) > 0.0)
+    return slopes if told else None
+
+
+def _change_by(
+    deviation: float, name: str, member: Member, named: dict[str, float], swing: Swing, centre: np.ndarray
+) -> np.ndarray | None:
+    """Return by how much frequency and ratio change with one standard deviation of what is believed of a number."""
+    beside = _swing(member, swing, {**named, name: named[name] + 0.5 * deviation})
+    change: np.ndarray | None = None if beside is None else 2.0 * (beside - centre)
+    return change
 
 
 def _believed(member: Member, one: Any) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -160,66 +160,31 @@ def compared_laws(
     Raises:
         InputError: a word is not known, or a case does not fit it.
     """
-    hertz = _frequencies(pairs, left_out)
-    damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
-    own = any(key.startswith(damping) for key in parameters)
     swings = swings_of(left_out)
-    done: list[_One] = []
-    for name in sorted([*laws, *([OWN] if own else [])], key=lambda name: name.count("+")):
-        begin = _within(name, done)
-        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz, begin)
-        if isinstance(one, str):
-            if report is not None:
-                report(f"law {name}: {one}")
-            continue
-        if one.prediction is not None:
-            told = foretold(name, one.found, _known(one.found), one.prediction, swings)
-            one = replace(one, foretold=told)
-        done.append(one)
+    done = []
+    for law in _fitted_laws(fit, pairs, parameters, nuisances, laws, left_out, report):
+        says: list[Foretold] = []
+        if law.prediction is not None:
+            says = foretold(law.name, law.found, _known(law.found), law.prediction, swings)
+        done.append(replace(law, foretold=says))
         if report is not None:
-            report(f"law {name}: fitted")
+            report(f"law {law.name}: fitted")
     if not done:
         raise SolveError("no law could be fitted", None)
-    best = min(done, key=lambda one: one.likelihood)
-    noise = _noise(best.found)
-    count = noise.effective_count
-    squares = {one.name: _square(noise, one.found) for one in done}
-    merits = {
-        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series), noise.count)
-        for one in done
-    }
     told = [one for law in done for one in law.foretold]
     apart = unlike(told, swings)
-    least = min(merit[0] for merit in merits.values())
-
-    def rank(one: _One) -> tuple[bool, bool, float]:
-        merit = merits[one.name][0] - least
-        return merit > EXCLUDED, one.name in apart, merit
-
-    done.sort(key=rank)
+    done, columns, count = _ranked(done, apart)
     names = [one.name for one in done]
-    aicc, bic = (np.array([merits[name][k] for name in names]) for k in (0, 1))
-    columns: dict[str, Floats] = {
-        "law_unknowns": np.array([float(len(one.found.unknowns)) for one in done]),
-        "law_square": np.array([squares[name] for name in names]),
-        "law_aicc": aicc - aicc.min(),
-        "law_bic": bic - bic.min(),
-        "law_prediction": np.array(
-            [_error(one.prediction) if one.prediction is not None else 0.0 for one in done]
-        ),
-    }
     words = [[one.name, _values(one.found, _known(one.found))] for one in done]
     shares = {one.name: _lost_outside(one) for one in done if "air_drag" in one.name}
-    undamped = [one.name for one in done if "clamp_loss" in one.name and not _clamp_damps(one)]
-    lost = {name: share for name, share in shares.items() if share is not None}
     sentences = [
         *law_sentences(
             names,
             columns["law_aicc"],
             columns["law_prediction"],
             count,
-            lost,
-            undamped,
+            {name: share for name, share in shares.items() if share is not None},
+            [one.name for one in done if "clamp_loss" in one.name and not _clamp_damps(one)],
             misses=bool(missed(done[0].found.estimate)),
             unsettled={one.name: one.found.estimate.unsettled for one in done},
         ),
@@ -228,6 +193,62 @@ def compared_laws(
     ]
     first = done[0]
     return Compared(columns, words, sentences, told, first.pairs, first.parameters, first.found)
+
+
+def _fitted_laws(
+    fit: Fit,
+    pairs: Pairs,
+    parameters: Mapping[str, Range],
+    nuisances: Mapping[str, Range],
+    laws: Sequence[str],
+    left_out: Pairs,
+    report: Callable[[str], None] | None,
+) -> Iterator[_One]:
+    """Fit one law after another, simple ones first: others begin with the numbers of those that are parts of them."""
+    hertz = _frequencies(pairs, left_out)
+    damping = tuple(f"materials.{name}.damping" for name in pairs[0][0].content.get("materials", {}))
+    own = any(key.startswith(damping) for key in parameters)
+    done: list[_One] = []
+    for name in sorted([*laws, *([OWN] if own else [])], key=lambda name: name.count("+")):
+        begin = _within(name, done)
+        one = _fitted(fit, pairs, parameters, nuisances, name, left_out, hertz, begin)
+        if isinstance(one, _One):
+            done.append(one)
+            yield one
+        elif report is not None:
+            report(f"law {name}: {one}")
+
+
+def _ranked(done: Sequence[_One], apart: Collection[str]) -> tuple[list[_One], dict[str, Floats], float]:
+    """Return fitted laws, the best first, their columns of a data set, and the effective number of measured values.
+
+    Args:
+        apart: names of laws that foretold what was not seen.
+    """
+    noise = _noise(min(done, key=lambda one: one.likelihood).found)
+    count = noise.effective_count
+    squares = {one.name: _square(noise, one.found) for one in done}
+    merits = {
+        one.name: criteria(squares[one.name], count, len(one.found.unknowns) + len(noise.series), noise.count)
+        for one in done
+    }
+    least = min(merit[0] for merit in merits.values())
+
+    def rank(one: _One) -> tuple[bool, bool, float]:
+        merit = merits[one.name][0] - least
+        return merit > EXCLUDED, one.name in apart, merit
+
+    ranked = sorted(done, key=rank)
+    aicc, bic = (np.array([merits[one.name][k] for one in ranked]) for k in (0, 1))
+    predicted = [_error(one.prediction) if one.prediction is not None else 0.0 for one in ranked]
+    columns: dict[str, Floats] = {
+        "law_unknowns": np.array([float(len(one.found.unknowns)) for one in ranked]),
+        "law_square": np.array([squares[one.name] for one in ranked]),
+        "law_aicc": aicc - aicc.min(),
+        "law_bic": bic - bic.min(),
+        "law_prediction": np.array(predicted),
+    }
+    return ranked, columns, count
 
 
 def require_laws(pairs: Pairs, laws: Sequence[str]) -> None:

@@ -107,7 +107,7 @@ class CheckReport(Shown):
             if self.rigid_motions
             else "",
             f"{self.nodes} nodes, {self.unknowns} unknowns{conditions}\nLinear systems: {self.linear_solver}",
-            str(self.validity),
+            str(self.validity) if self.validity.conditions else "",
             listed("Assumptions about damping", self.assumptions) if self.assumptions else "",
             listed("Warnings", self.warnings) if self.warnings else "No warnings",
         ]

@@ -23,6 +23,7 @@ STRAIGHT = 1e-9
 """Departure from a straight line, from one orientation and from one plane, that is round-off."""
 MOST_NODES = 400
 """Nodes up to which the full matrices of these theories are computed."""
+_LEAVE_OUT = "leave it out; only the exact theory has it"
 
 
 def require_planar(model: ModelDescription, problem: Problem, *, moving: bool) -> None:
@@ -37,49 +38,27 @@ def require_planar(model: ModelDescription, problem: Problem, *, moving: bool) -
 
 
 def _unfit(model: ModelDescription, problem: Problem, *, moving: bool) -> Iterator[Fault]:
-    only = "the theories of planar straight beams are those of one rod"
-    out = "leave it out; only the exact theory has it"
-    if len(model.rods) != 1:
-        yield Fault("rods", f"{len(model.rods)} rods", only, "give a model with one rod")
-    for key in ("bodies", "attachments", "joints", "springs"):
-        if getattr(model, key):
-            yield Fault(key, f"{len(getattr(model, key))}", f"{only}, without {key}", out)
-    for key in ("velocities", "strains", "rest_strains"):
-        if getattr(model, key):
-            yield Fault(
-                key, f"{len(getattr(model, key))}", "these theories begin unstrained and at rest", out
-            )
-    for index, support in enumerate(model.supports):
-        if support.motion or problem.supports.in_body.any():
-            yield Fault(
-                f"supports[{index}]", support.label, "in these theories supports stay where they are", out
-            )
-            break
-    following = {load.load for load in problem.nodal_loads if load.following.any()}
-    following |= {load.load for load in problem.station_loads if load.following.any()}
-    for index, load in enumerate(model.loads):
-        if load.sees_motion or index in following:
-            why = "in these theories loads keep their directions, and do not see the motion"
-            yield Fault(f"loads[{index}]", load.word, why, out)
+    yield from _unfit_parts(model)
+    yield from _unfit_actions(model, problem)
     for name, rod in model.rods.items():
         where = f"rods.{name}"
         if rod.law is not None:
             yield Fault(
-                f"{where}.law", type(rod.law).__name__, "these theories have linear sections only", out
+                f"{where}.law", type(rod.law).__name__, "these theories have linear sections only", _LEAVE_OUT
             )
         if moving and rod.relaxing:
             why = "motions of these theories have Kelvin-Voigt damping only"
             yield Fault(where, "Maxwell branches", why, "give Kelvin-Voigt damping, or compare equilibria")
         held = [word for word in rod.constraints if not word.startswith("shear")]
         if held:
-            yield Fault(f"{where}.constraints", show(held), "these theories can hold shear only", out)
+            yield Fault(f"{where}.constraints", show(held), "these theories can hold shear only", _LEAVE_OUT)
     line = problem.positions - problem.positions[0]
     along = line @ Plane.of(problem, 0).tangent
     bent = np.abs(line - np.outer(along, Plane.of(problem, 0).tangent)).max() > STRAIGHT * problem.length
     turned = 1.0 - np.abs(problem.quaternions @ problem.quaternions[0]).min() > STRAIGHT
     if len(model.rods) == 1 and (bent or turned):
         why = "these theories are those of straight beams whose sections are not turned along them"
-        yield Fault(f"rods.{next(iter(model.rods))}", "curved or twisted", why, out)
+        yield Fault(f"rods.{next(iter(model.rods))}", "curved or twisted", why, _LEAVE_OUT)
     if problem.size > MOST_NODES:
         yield Fault(
             "rods",
@@ -87,6 +66,34 @@ def _unfit(model: ModelDescription, problem: Problem, *, moving: bool) -> Iterat
             "these theories are computed with full matrices",
             f"give fewer elements, {MOST_NODES} nodes at most",
         )
+
+
+def _unfit_parts(model: ModelDescription) -> Iterator[Fault]:
+    """Say which parts other than one rod at rest the model has."""
+    only = "the theories of planar straight beams are those of one rod"
+    if len(model.rods) != 1:
+        yield Fault("rods", f"{len(model.rods)} rods", only, "give a model with one rod")
+    for key in ("bodies", "attachments", "joints", "springs"):
+        if found := getattr(model, key):
+            yield Fault(key, f"{len(found)}", f"{only}, without {key}", _LEAVE_OUT)
+    for key in ("velocities", "strains", "rest_strains"):
+        if found := getattr(model, key):
+            yield Fault(key, f"{len(found)}", "these theories begin unstrained and at rest", _LEAVE_OUT)
+
+
+def _unfit_actions(model: ModelDescription, problem: Problem) -> Iterator[Fault]:
+    """Say which supports move, and which loads turn with the rod or see its motion."""
+    for index, support in enumerate(model.supports):
+        if support.motion or problem.supports.in_body.any():
+            why = "in these theories supports stay where they are"
+            yield Fault(f"supports[{index}]", support.label, why, _LEAVE_OUT)
+            break
+    following = {load.load for load in problem.nodal_loads if load.following.any()}
+    following |= {load.load for load in problem.station_loads if load.following.any()}
+    for index, load in enumerate(model.loads):
+        if load.sees_motion or index in following:
+            why = "in these theories loads keep their directions, and do not see the motion"
+            yield Fault(f"loads[{index}]", load.word, why, _LEAVE_OUT)
 
 
 def plane_of(problem: Problem, loads: Sequence[LoadState]) -> Plane:

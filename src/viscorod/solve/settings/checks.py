@@ -60,8 +60,22 @@ def unfit_for_steady(model: ModelDescription, formulation: str, damping: str) ->
 
 
 def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    yield from _moving_supports(model, settings)
+    if settings.dynamics == "linear":
+        yield from _unfit_for_linear_dynamics(model)
+    else:
+        yield from _unfit_for_damping(model, settings)
+    if settings.modes is not None:
+        yield from unfit_for_modes(model)
+    yield from _struck_dashpots(model, settings)
+    yield from _driven_held_strains(model, settings)
+    yield from _unknown_places(model, settings)
+    yield from _two_starts(model, settings)
+
+
+def _moving_supports(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Say which motions of supports an integrator cannot follow, or linear dynamics do not have."""
     method = INTEGRATORS[settings.integrator]
-    formulation = FORMULATIONS[settings.formulation, settings.damping]
     for index, support in enumerate(model.supports):
         if isinstance(support, VelocitySupport) and not method.velocity_supports:
             others = integrators_that(lambda other: other.velocity_supports)
@@ -80,40 +94,46 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
                 "linear dynamics need supports that stay where they are",
                 "leave it out, or take dynamics = 'nonlinear'",
             )
-    if settings.dynamics == "linear":
-        why = "linear dynamics have no {}"
-        yield from _moving_joints(model, "linear dynamics need joints that stay where they are")
-        yield from _laws(
-            model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'"
-        )
-        yield from _changing_drag(model)
-        yield from _changing_rest(
-            model, why.format("rest strains that change with time"), "take dynamics = 'nonlinear'"
-        )
-    else:
-        if not formulation.branches:
-            why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
-            yield from _branches(model, why, "take damping = 'full'")
-        if not formulation.laws:
-            yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
-        if settings.damping == "linearised":
-            why = "linearised damping is that of one unstressed shape, and this rest strain changes with time"
-            yield from _changing_rest(model, why, "take damping = 'full'")
-        if settings.integrator == "generalized_alpha" and any(
-            rod.law is not None for rod in model.rods.values()
-        ):
-            why = "generalised alpha has no laws of sections with rest strains that change with time"
-            yield from _changing_rest(model, why, "take integrator = 'radau'")
-    if settings.modes is not None:
-        yield from unfit_for_modes(model)
-    yield from _struck_dashpots(model, settings)
-    yield from _driven_held_strains(model, settings)
+
+
+def _unfit_for_linear_dynamics(model: ModelDescription) -> Iterator[Fault]:
+    why = "linear dynamics have no {}"
+    yield from _moving_joints(model, "linear dynamics need joints that stay where they are")
+    yield from _laws(model, why.format("laws of sections"), "leave it out, or take dynamics = 'nonlinear'")
+    yield from _changing_drag(model)
+    yield from _changing_rest(
+        model, why.format("rest strains that change with time"), "take dynamics = 'nonlinear'"
+    )
+
+
+def _unfit_for_damping(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Say which sections the damping, or the integrator, of a nonlinear motion does not have."""
+    formulation = FORMULATIONS[settings.formulation, settings.damping]
+    if not formulation.branches:
+        why = f"{settings.damping} damping is that of Kelvin-Voigt rods, this one has Maxwell branches"
+        yield from _branches(model, why, "take damping = 'full'")
+    if not formulation.laws:
+        yield from _laws(model, _MATRICES_ONLY, "take damping = 'full'")
+    if settings.damping == "linearised":
+        why = "linearised damping is that of one unstressed shape, and this rest strain changes with time"
+        yield from _changing_rest(model, why, "take damping = 'full'")
+    if settings.integrator == "generalized_alpha" and any(rod.law is not None for rod in model.rods.values()):
+        why = "generalised alpha has no laws of sections with rest strains that change with time"
+        yield from _changing_rest(model, why, "take integrator = 'radau'")
+
+
+def _unknown_places(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Say which events watch places that the model does not have."""
     for index, event in enumerate(settings.events):
         if isinstance(event, Crossing):
             try:
                 find(model, event.at)
             except RefusedError as error:
                 yield Fault(f"events[{index}].at", show(event.at), error.why, error.instead)
+
+
+def _two_starts(model: ModelDescription, settings: SimulateSettings) -> Iterator[Fault]:
+    """Say where initial strains and settings start a motion in two ways."""
     if model.strains and settings.start is None and settings.initial == "equilibrium":
         yield Fault(
             "initial",
@@ -121,7 +141,6 @@ def _unfit(model: ModelDescription, settings: SimulateSettings) -> Iterator[Faul
             "the model has initial strains, which are not an equilibrium",
             "give initial = 'reference' to start from the shape that they make, or remove the strains",
         )
-
     if model.strains and settings.start is not None:
         yield Fault(
             "start", "", "the model has initial strains, which are another start", "leave one of them out"

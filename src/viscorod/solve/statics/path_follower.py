@@ -81,6 +81,24 @@ class _Ends(NamedTuple):
     critical: int | None
 
 
+class _Leg(NamedTuple):
+    """A step along a path.
+
+    Attributes:
+        last: the point that it leads to; ended: the path ends there; events: special points on the way.
+        lengthened: the next step over this one.
+    """
+
+    last: PathPoint
+    ended: bool
+    events: Sequence[SpecialPoint]
+    lengthened: float
+
+
+_Passed = tuple[PathPoint, SpecialPoint | None]
+"""A point, and what is special about it; None of a wanted load factor."""
+
+
 class PathFollower(ArcLength):
     """Follows the equilibria of a model from the unloaded one on, while loads grow or shrink.
 
@@ -161,17 +179,10 @@ class PathFollower(ArcLength):
             units.append(MOVED / moved)
         self.unit = min(units, default=1.0)
 
-    def _follow(
-        self,
-        state: State,
-        first: float,
-        ends: _Ends,
-        on_point: Callable[[PathPoint], None],
-    ) -> None:
-        load_factor, endings, wanted, points, limit_point, branch, critical = ends
-        path, largest = self.path, self.largest
+    def _follow(self, state: State, first: float, ends: _Ends, on_point: Callable[[PathPoint], None]) -> None:
+        path, largest, load_factor = self.path, self.largest, ends.load_factor
         if load_factor is not None:
-            endings = [*endings, lambda point: point.factor - load_factor]
+            ends = ends._replace(endings=[*ends.endings, _to(load_factor)])
         begin = -1.0 if load_factor is not None and load_factor < first else 1.0
         start = self.complete(state, first, Direction(np.zeros_like(state.twist), begin), 0)
         if start is None:
@@ -180,68 +191,74 @@ class PathFollower(ArcLength):
         at = self.softened(start)
         self._record(at, on_point)
         step = 0.25 * largest
-        while path.count < points:
+        while path.count < ends.points:
             step = min(step, self.largest_change * abs(1.0 / (at.forward.factor or 1e-300)))
-            reached = self.step(at, step)
-            if reached is None:
+            leg = self._leg(at, step, ends)
+            if isinstance(leg, Outcome):
                 path.rejected += 1
                 step *= 0.45  # not one half, or the end might stay where the matrix is singular
                 if step < SMALLEST * largest:
-                    path.outcome = self.report.outcome if self.report is not None else Outcome.SINGULAR
+                    path.outcome = leg
                     return
                 continue
-            bent = self._bent(at, reached)
-            if bent > BENT and step > FINE * largest:
-                path.rejected += 1
-                step *= 0.45
-                continue
-            reached = self.judged(reached)
-            ended = self._ended(at, reached, step, endings, load_factor)
-            last = self.softened(ended or reached)
-            events = special_points(self, at, last, self.distance(at, last.change))
-            if events is None:
-                path.rejected += 1
-                self._part(at.factor)
-                step *= 0.45
-                if step < SMALLEST * largest:
-                    path.outcome = Outcome.DIVERGED
-                    return
-                continue
-            passed: list[tuple[float, PathPoint, SpecialPoint | None]]
-            passed = [(self.distance(at, event.point.change), event.point, event) for event in events]
-            passed += [
-                (self.distance(at, point.change), point, None)
-                for point in self._wanted(at, last, step, wanted)
-            ]
-            switched = None
-            for _, point, event in sorted(passed, key=lambda entry: entry[0]):
-                if event is not None:
-                    self._note(event)
-                self._record(point, on_point)
-                if limit_point is not None and len(path.limit_points) >= limit_point:
-                    return
-                if critical is not None and path.vanished >= critical:
-                    return
-                leaves = branch is not None and event is not None and event.branches > 0
-                if leaves and len(path.bifurcations) >= abs(branch or 0):
-                    switched, branch = self._switch(point, float(np.sign(branch or 0))), None
-                    if switched is None:
-                        path.outcome = Outcome.NO_BRANCH
-                        return
-                    break
-            if switched is not None:
-                at, ended = switched, None
-                step = 0.25 * largest
-                self._record(at, on_point)
-                continue
-            at = last
-            self._record(at, on_point)
+            ended, branch = self._pass(self._passed(at, leg, step, ends), ends, on_point)
             if ended:
                 return
+            at = leg.last if branch is None else branch
+            self._record(at, on_point)
+            if branch is not None:
+                ends, step = ends._replace(branch=None), 0.25 * largest
+                continue
+            if leg.ended:
+                return
             at = self._measured(at, abs(load_factor or np.inf))
-            easy, hard = reached.iterations <= 5 and bent < FLAT, reached.iterations > 8 or bent > 2.0 * FLAT
-            step = min(step * (1.5 if easy else 0.7 if hard else 1.0), largest)
+            step = min(step * leg.lengthened, largest)
         path.outcome = Outcome.POINTS
+
+    def _leg(self, at: PathPoint, step: float, ends: _Ends) -> _Leg | Outcome:
+        """Take a step from a point; return why it is to be a shorter one if it fails, or bends too much."""
+        reached = self.step(at, step)
+        if reached is None:
+            return self.report.outcome if self.report is not None else Outcome.SINGULAR
+        bent = self._bent(at, reached)
+        if bent > BENT and step > FINE * self.largest:
+            return Outcome.DIVERGED
+        reached = self.judged(reached)
+        end = self._ended(at, reached, step, ends.endings, ends.load_factor)
+        last = self.softened(end or reached)
+        events = special_points(self, at, last, self.distance(at, last.change))
+        if events is None:
+            self._part(at.factor)
+            return Outcome.DIVERGED
+        easy, hard = reached.iterations <= 5 and bent < FLAT, reached.iterations > 8 or bent > 2.0 * FLAT
+        return _Leg(last, end is not None, events, 1.5 if easy else 0.7 if hard else 1.0)
+
+    def _passed(self, at: PathPoint, leg: _Leg, step: float, ends: _Ends) -> list[_Passed]:
+        """Return the special and the wanted points of a step, in their order on the path."""
+        special: list[_Passed] = [(event.point, event) for event in leg.events]
+        wanted: list[_Passed] = [(point, None) for point in self._wanted(at, leg.last, step, ends.wanted)]
+        return sorted([*special, *wanted], key=lambda one: self.distance(at, one[0].change))
+
+    def _pass(
+        self, passed: Sequence[_Passed], ends: _Ends, on_point: Callable[[PathPoint], None]
+    ) -> tuple[bool, PathPoint | None]:
+        """Record points that are passed; return whether the path ends at one, and where it goes over to a branch."""
+        path = self.path
+        for point, event in passed:
+            if event is not None:
+                self._note(event)
+            self._record(point, on_point)
+            if ends.limit_point is not None and len(path.limit_points) >= ends.limit_point:
+                return True, None
+            if ends.critical is not None and path.vanished >= ends.critical:
+                return True, None
+            leaves = ends.branch is not None and event is not None and event.branches > 0
+            if leaves and len(path.bifurcations) >= abs(ends.branch or 0):
+                branch = self._switch(point, float(np.sign(ends.branch or 0)))
+                if branch is None:
+                    path.outcome = Outcome.NO_BRANCH
+                return branch is None, branch
+        return False, None
 
     def _part(self, factor: float) -> None:
         """Note that a step led to another path, which is near this one until steps are long again."""
