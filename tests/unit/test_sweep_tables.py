@@ -27,7 +27,9 @@ from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
+from viscorod.results.data_schema import VARIABLES
 from viscorod.results.function_record import function_record
+from viscorod.results.quantity_values import FIELDS, unit_of
 from viscorod.results.sweep_members import FoundMembers, Rows, SweepMembers
 from viscorod.solve.transient.transient_solver import Transient
 
@@ -703,3 +705,13 @@ def test_what_the_search_for_garbage_leaves_out_comes_back():
         assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
+
+
+@pytest.mark.parametrize("head", sorted(FIELDS.keys() & VARIABLES.keys()))
+def test_quantities_have_the_units_of_the_fields_that_they_read(head):
+    """Values: the units of the variables of a stored result."""
+    units = VARIABLES[head][0].split(", ")
+    parts = FIELDS[head] or ("",)
+    for k, part in enumerate(parts):
+        unit = units[k * len(units) // len(parts)]
+        assert unit_of((head, "beam.end", part, "max")) == ("" if unit == "1" else unit)
