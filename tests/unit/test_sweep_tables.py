@@ -4,6 +4,7 @@ import gc
 import itertools
 import json
 import math
+import re
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from importlib import import_module
@@ -26,7 +27,9 @@ from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
+from viscorod.results.data_schema import VARIABLES
 from viscorod.results.function_record import function_record
+from viscorod.results.quantity_values import FIELDS, unit_of
 from viscorod.results.sweep_members import FoundMembers, Rows, SweepMembers
 from viscorod.solve.transient.transient_solver import Transient
 
@@ -598,6 +601,8 @@ def test_what_all_members_share_has_no_lines_of_its_own(held):
     sweep = vr.sweep(held, values, constants=constants, quantities={"tip": TIP}, workers=1)
     (axes,) = sweep.plot().axes
     assert axes.get_xlabel() == f"{FORCE} [µN]"
+    assert re.fullmatch(r"tip \[[µnm]?m\]", axes.get_ylabel())  # what the words of a quantity read has a unit
+    assert sweep.data["tip"].attrs["units"] == "m"
     assert axes.get_legend() is None
     (line,) = (line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert list(line.get_xdata()) == [1e-4, 2e-4]
@@ -711,3 +716,13 @@ def test_what_the_search_for_garbage_leaves_out_comes_back():
         assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
+
+
+@pytest.mark.parametrize("head", sorted(FIELDS.keys() & VARIABLES.keys()))
+def test_quantities_have_the_units_of_the_fields_that_they_read(head):
+    """Values: the units of the variables of a stored result."""
+    units = VARIABLES[head][0].split(", ")
+    parts = FIELDS[head] or ("",)
+    for k, part in enumerate(parts):
+        unit = units[k * len(units) // len(parts)]
+        assert unit_of((head, "beam.end", part, "max")) == ("" if unit == "1" else unit)

@@ -137,7 +137,7 @@ def sweep(
     if said.problems and not alone:  # all that is wrong is told at once, and no process starts for it
         said, read = checked(work, {k: rows[k] for k in some})
     require_right(case, said, rows, some)
-    rows.units = units_of(case, rows)
+    rows.units = units_of(case, rows) | {one.name: one.unit for one in wanted if one.unit}
     few = [f"errors are estimated for {len(looked)} of {len(rows)} members (errors)"]
     jobs = _Jobs(rows, names, looked, read if here else {})
     del read

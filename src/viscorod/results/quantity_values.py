@@ -29,6 +29,7 @@ __all__ = [
     "Number",
     "Word",
     "field_value",
+    "unit_of",
 ]
 
 Number: TypeAlias = float | list[float]
@@ -53,6 +54,28 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "reaction": tuple(LABELS["motion"]),
 }
 """What can be read at a place -> its components; vectors of three have a size too."""
+_UNITS = {
+    "position": "m",
+    "displacement": "m",
+    "velocity": "m/s",
+    "angular_velocity": "rad/s",
+    "dissipation": "W/m",
+    "energy": "J",
+    "frequency": "Hz",
+    "peak_frequency": "Hz",
+}
+"""SI units by first word, of what has one whatever the other words are."""
+_OF_COMPONENTS = {"strain": ("1", "1/m"), "section_force": ("N", "N m"), "reaction": ("N", "N m")}
+"""SI units of the first three and of the last three components."""
+
+
+def unit_of(words: tuple[Word, ...]) -> str:
+    """Return the SI unit of what words read; empty where it has none or the words do not say it."""
+    head = str(words[0]) if words else ""
+    if head not in _OF_COMPONENTS:
+        return _UNITS.get(head, "")
+    unit = _OF_COMPONENTS[head][FIELDS[head].index(str(words[2])) // 3]
+    return "" if unit == "1" else unit
 
 
 def _mean(t: Floats, x: Floats) -> float:
