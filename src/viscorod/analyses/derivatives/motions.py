@@ -355,7 +355,7 @@ def exact_integrator(one: Neighbour | DiscreteModel, settings: SimulateSettings)
     if method.tolerance is not None:
         given["tolerance"] = TOLERANCE
     integrator: Any = make(one.system, one.supports, **given)
-    if hasattr(integrator, "iterations"):
+    if hasattr(integrator, "iterations") and settings.integrator not in UNEVEN:
         integrator.iterations, integrator.newton_tolerance = ITERATIONS, ROUNDING
     found: Integrator = integrator
     return found
