@@ -17,8 +17,8 @@ from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
 from viscorod.analyses.identification.law_words import Frequencies, variant
-from viscorod.analyses.identification.laws import moved_numbers
 from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.moved_numbers import moved_numbers
 from viscorod.analyses.identification.record_frequencies import held_band
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text

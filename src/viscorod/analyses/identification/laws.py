@@ -19,9 +19,10 @@ from viscorod.analyses.identification.foretold import (
 from viscorod.analyses.identification.law_sentences import EXCLUDED, law_sentences
 from viscorod.analyses.identification.law_words import Frequencies, variant
 from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.moved_numbers import moved_numbers
 from viscorod.analyses.identification.record_frequencies import dominant_frequencies, held_band
 from viscorod.analyses.identification.sought import Range
-from viscorod.analyses.identification.told import missed, number_text, value_text
+from viscorod.analyses.identification.told import missed, number_text
 from viscorod.analyses.identification.unit_of import unit_of
 from viscorod.casefile.case import Case
 from viscorod.errors import InputError, SolveError
@@ -30,13 +31,12 @@ from viscorod.results.run import Run
 from viscorod.solve.estimation.information import criteria
 from viscorod.solve.estimation.intervals import Covariance, covariance
 from viscorod.solve.estimation.noise import Noise, noise_of
-from viscorod.solve.estimation.unknowns import Unknowns
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.analyses.identification.search import Fitted
 
-__all__ = ["Compared", "compared_laws", "moved_numbers", "require_laws"]
+__all__ = ["Compared", "compared_laws", "require_laws"]
 
 Pairs = Sequence[tuple[Case, Any]]
 Fit = Callable[..., "Fitted"]
@@ -44,8 +44,6 @@ OWN = "that of the case"
 """Name of the law that the case has, which is compared too where numbers of it are sought."""
 TOO_NARROW = "too narrow, it misses part of the motion"
 """What is said beside the numbers of a law whose intervals do not hold."""
-APART = 3.0
-"""Standard errors by which the numbers of one law may differ with and without the colour of the noise."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -108,31 +106,6 @@ class _One:
                 square = max(float(np.mean((best.residuals[one.rows] / size) ** 2)), 1e-300)
                 found += one.count * float(np.log(square)) + 2.0 * float(np.sum(np.log(size / one.noise)))
         return found
-
-
-def moved_numbers(
-    unknowns: Unknowns,
-    last: tuple[Floats, Covariance],
-    before: tuple[Floats, Covariance],
-    units: Sequence[str],
-) -> list[str]:
-    """Return the numbers of a model, with both values, that two estimates put farther apart than both are known.
-
-    Args:
-        unknowns: that were sought.
-        last, before: their coordinates ``(p,)`` in each estimate, and what is known of them.
-        units: of the unknowns, SI.
-    """
-    found = []
-    values = [unknowns.values(z) for z, _ in (last, before)]
-    for k, (one, axis) in enumerate(zip(unknowns, np.eye(len(unknowns)), strict=True)):
-        if one.nuisance or not all(known.told(axis) for _, known in (last, before)):
-            continue
-        size = float(np.hypot(*(known.deviations[k] for _, known in (last, before))))
-        if abs(last[0][k] - before[0][k]) > APART * size:
-            texts = [value_text(float(f"{value[k]:.5g}"), units[k]) for value in values]
-            found.append(f"{one.name} ({' and '.join(texts)})")
-    return found
 
 
 def compared_laws(
