@@ -66,6 +66,39 @@ def test_frequencies_that_a_mesh_does_not_resolve_are_told() -> None:
     assert abs(coarse.frequencies[2] / exact - 1.0) > 0.01
 
 
+@pytest.mark.parametrize("relaxing", [0.0, 1.0])
+def test_modes_about_an_unstable_state_are_about_that_and_say_what_grows(relaxing: float) -> None:
+    """Euler's column under 1.5 times what its relaxed stiffness bears: ``s^2 = (1.5 - 1) pi^4`` without relaxation.
+
+    With a branch as stiff as the rest it bears that at once, and swings as ``s^2 + pi^4 (1 + g - 1.5) = 0``, with
+    ``g = t s/(1 + t s)``, whose real root grows: it creeps away (Rabotnov and Shesterikov 1957, creep buckling).
+    """
+    stiffness = {"EA": 1e6, "GA1": 1e6, "GA2": 1e6, "EI1": 1.0, "EI2": 4.0, "GJ": 1.0}
+    time = 10.0
+    branches = [vr.MaxwellBranch(time, {key: relaxing * value for key, value in stiffness.items()})]
+    section = vr.StiffnessSection(
+        stiffness, [1.0] * 3 + [1e-7, 1e-7, 2e-7], branches=branches if relaxing else []
+    )
+    column = vr.Model()
+    column.add("column", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section))
+    column.support("column.start", ("ux", "uy", "uz", "rx"))
+    column.support("column.end", ("uy", "uz"))
+    column.force("column.end", (-1.5 * np.pi**2, 0, 0))
+    straight = column.equilibrium(search=False)
+    assert straight.negative_eigenvalues == 1
+    found = column.modes(2, about=straight)
+    # s^2 (1 + t s) + pi^4 (t s - 0.5 (1 + t s)) = 0; t = 0 is no branch
+    t = time if relaxing else 0.0
+    roots = np.roots([t, 1.0, np.pi**4 * 0.5 * t, -0.5 * np.pi**4])
+    growing = roots[np.argmax(roots.real)]
+    assert growing.real == pytest.approx(0.1 if relaxing else np.pi**2 * np.sqrt(0.5), rel=1e-3)
+    swing = roots[np.argmax(roots.imag)] if relaxing else growing
+    assert np.abs(found.eigenvalues / swing - 1.0).min() < 1e-4
+    (told,) = found.warnings
+    assert told.startswith("the equilibrium is unstable: a small motion grows from it")
+    assert ("grows" in found.report().split("Warnings")[0]) is not bool(relaxing)
+
+
 def strut() -> vr.Model:
     """A clamped strut of length 1 and EI = 1, pressed by twice Euler's load."""
     section = vr.StiffnessSection({"EA": 1e6, "GA1": 1e6, "GA2": 1e6, "EI1": 1.0, "EI2": 2.0, "GJ": 1.0})

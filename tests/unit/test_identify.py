@@ -201,6 +201,7 @@ FAULTS = {
     "range": (lambda t, y: np.clip(y, -0.6 * y.max(), 0.6 * y.max()), {}, "it is clipped there"),
     "zero": (lambda t, y: y + 0.01, {}, "unknown = ['offset']"),
     "drift": (lambda t, y: y + 0.03 * t, {"unknown": ["offset"]}, "unknown = ['drift']"),
+    "held": (lambda t, y: np.interp(t - 0.3, t, y), {}, "tip stands still for its first 0.3"),
     "late": (lambda t, y: np.interp(t - 0.02, t, y), {}, "unknown = ['release_time']"),
 }
 
@@ -214,6 +215,20 @@ def test_common_faults_of_a_measurement_are_named(name):
     fit = vr.identify(swing(youngs_modulus=1.1e6), record, {YOUNG: None, BOTH: 0.03}, profile=False)
     assert words in fit.sentences[0]
     assert fit.missed == ([] if name == "zero" else ["tip"])
+
+
+def test_noise_of_a_history_with_gaps_is_no_miss_of_the_model():
+    """Noise of half of the spread, a tenth of the samples lost: white, and the interval holds; a motion is told."""
+    clean = history(swing(), size=0.0)
+    seen = np.random.default_rng(2).random(len(clean.times)) > 0.1
+    noise = 0.5 * np.std(clean.values) * np.random.default_rng(3).normal(size=len(clean.times))
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y", "name": "tip"}
+    for more, missed in ((0.0, []), (1.0, ["tip"])):
+        values = clean.values + noise + more * np.interp(1.3 * clean.times, clean.times, clean.values)
+        record = vr.Record(clean.times[seen], values[seen], **about)
+        fit = vr.identify(swing(youngs_modulus=1.1e6), record, {YOUNG: None, BOTH: 0.03}, profile=False)
+        assert fit.missed == missed
+        assert missed or fit[YOUNG].low < 1e6 < fit[YOUNG].high
 
 
 def test_a_history_in_which_nothing_moves_is_told():

@@ -291,18 +291,29 @@ def test_what_is_on_disk_is_not_computed_again(swing, fields, tmp_path, monkeypa
     assert len(done) == 5  # other numbers are other members
 
 
-@pytest.mark.filterwarnings("ignore")  # those of the member are looked at
+@pytest.mark.filterwarnings("ignore")  # those of the runs alone are looked at
 def test_what_members_warn_of_is_in_the_table(swing, tmp_path):
-    """Of a member whose errors are estimated what its run alone warns of, wherever it was computed; else nothing."""
-    alone = run_case(swing).warnings
-    assert any("section forces may be off" in text for text in alone)
+    """What each member's run alone warns of, whether its errors are estimated or not, wherever it was computed."""
+    other = content("simulate", duration=0.1, time_step=0.01, output_interval=0.02)
+    other["materials"]["rubber"]["damping"]["shear_time"] = 0.03
+    alone = [run_case(swing).warnings, run_case(case_from_dict(other), errors=False).warnings]
+    assert any("section forces may be off" in text for text in alone[0])
     given = {"quantities": {"tip": TIP}, "executor": "threads:2", "errors": 1, "folder": tmp_path}
     found = vr.sweep(swing, {SHEAR: [0.02, 0.03]}, **given)
     for sweep in (found, vr.load(tmp_path)):
         table = sweep.table()
         assert table["outcome"].tolist() == ["completed", "completed"]
-        assert table["message"].tolist() == ["; ".join(f"warning: {text}" for text in alone), ""]
-        assert flat(f"member 0: warning: {alone[0]}") in flat(sweep.report())
+        told = ["; ".join(f"warning: {text}" for text in texts) for texts in alone]
+        assert table["message"].tolist() == told
+        assert flat(f"member 0: warning: {alone[0][0]}") in flat(sweep.report())
+
+
+def test_doubts_of_a_member_whose_errors_are_not_estimated_are_told(held):
+    """A force of 1000 N strains the rubber far beyond its law; one of 0.2 mN does not."""
+    found = vr.sweep(held, {FORCE: [2e-4, 1e3]}, quantities={"tip": TIP}, workers=1, errors=0)
+    first, second = found.table()["message"]
+    assert not first
+    assert "the material law is linear and meant for strains well below 1" in second
 
 
 def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):

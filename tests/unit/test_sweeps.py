@@ -253,6 +253,18 @@ def test_processes_look_at_values_as_one_process_does(case, tmp_path):
     assert "member 100" in told[0]
 
 
+def test_a_member_that_is_left_over_does_not_run_in_the_process_that_asks(case, tmp_path, monkeypatch):
+    """It may be the one that killed its processes, and would take that of the user with it."""
+    given = {
+        "quantities": {"tip": ("displacement", "beam.end", "y", "last")},
+        "folder": tmp_path,
+        "errors": 0,
+    }
+    vr.sweep(case, {SHEAR: [0.01, 0.02]}, workers=1, members=slice(0, 1), **given)
+    monkeypatch.setattr("viscorod.analyses.sweep._alone", lambda *_: pytest.fail("computed here"))
+    assert vr.sweep(case, {SHEAR: [0.01, 0.02]}, workers=2, **given).count_completed == 2
+
+
 def test_wrong_number_of_workers(case):
     with pytest.raises(vr.InputError, match="workers: 0: a whole number of at least 1"):
         vr.sweep(case, {SHEAR: [0.1]}, workers=0)

@@ -81,12 +81,18 @@ def named(motions: list[FreeMotion]) -> str:
     return f"{text} and {more} more motions" if more > 0 else text
 
 
-def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
-    """Return the refusal of a static solution that leaves motions free."""
+def unheld(motions: list[FreeMotion], why: str = "", *, thrust: bool = False) -> InputError:
+    """Return the refusal of a static solution that leaves motions free; ``thrust``: following loads act."""
+    rocket = (
+        ". What its own thrust accelerates rests beside its inertia: give that as a distributed force against the "
+        "thrust, and soft springs"
+        if thrust
+        else ""
+    )
     return InputError(
         f"no static equilibrium: nothing holds the model against {named(motions)}{f' ({why})' if why else ''}. "
         "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
-        "about = 'reference' of modes)"
+        f"about = 'reference' of modes){rocket}"
     )
 
 
@@ -285,7 +291,8 @@ class DiscreteModel:
         if searching and acting and (roped or not any(motion.translation for motion in loose)):
             return loose
         if loose:
-            raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)))
+            thrust = any(getattr(load, "following", False) for load in self.model.loads)
+            raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)), thrust=thrust)
         return []
 
     def place(self, name: str) -> ResultPlace:

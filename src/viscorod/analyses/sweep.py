@@ -130,7 +130,8 @@ def sweep(
     # what is there already was looked at before
     some = list(dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])]))
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
-    here = _in_this_process(executor, count, len(due))
+    # members that are left over, or tried again, may be those that kill their process
+    here = _in_this_process(executor, count, len(rows) if retry else len(chosen))
     alone = count is None or here or not due
     said, read = checked(work, {k: rows[k] for k in (some if alone else some[:FEW])})
     if said.problems and not alone:  # all that is wrong is told at once, and no process starts for it
@@ -229,11 +230,11 @@ class _Members(FoundMembers):
             self.stop.set()
 
 
-def _in_this_process(executor: Any, count: int | None, due: int) -> bool:
+def _in_this_process(executor: Any, count: int | None, members: int) -> bool:
     """Return whether this process computes the members, alone or with threads, of a ``count`` of processes."""
     if count is None:
         return isinstance(executor, ThreadPoolExecutor) or str(executor).startswith("threads")
-    return min(count, due) == 1 and (executor is None or count == 1)
+    return min(count, members) == 1 and (executor is None or count == 1)
 
 
 class _Jobs(Sequence[Job]):

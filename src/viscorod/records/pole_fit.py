@@ -24,7 +24,7 @@ from viscorod.records.decay_doubts import BINS, half_power_width
 from viscorod.records.line_shapes import LineShape, line_shape
 from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
 from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
-from viscorod.records.response_doubts import turns_backwards, window_doubts
+from viscorod.records.response_doubts import excitation_doubts, turns_backwards, window_doubts
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.response_unit import is_load_over_motion
 from viscorod.results.modal_fit_result import ModalFit
@@ -127,6 +127,7 @@ def modal_fit(
         for (k, _), found in zip(peaks, modes, strict=True)
         if not found
     ]
+    doubts += [text for one in listed for text in excitation_doubts(one, _seen(one, peaks))]
     doubts += [
         f"{one.name} is in {one.unit}, a load over a motion: its peaks are modes of what is left free when the driven "
         "place is held; of the structure itself give the motion over the load, 1/H"

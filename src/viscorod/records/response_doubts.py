@@ -6,12 +6,12 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from viscorod.records.line_shapes import LineShape
-from viscorod.records.pole_about_peak import rough_misfit
+from viscorod.records.line_shapes import LineShape, line_shape
+from viscorod.records.pole_about_peak import rough_misfit, rough_pole
 from viscorod.records.response_record import ResponseRecord
 from viscorod.typing import Floats
 
-__all__ = ["turns_backwards", "window_doubts"]
+__all__ = ["excitation_doubts", "turns_backwards", "window_doubts"]
 
 SAME_RATE, OCTAVES = 1.5, 1.0
 """Ratio of decay rates below which they are called nearly the same, and octaves that their modes are apart at least."""
@@ -32,7 +32,9 @@ FEW = 20
 ROUND = 0.15
 """Mean area that peaks go round, over the square of their diameter; pi/4 of a whole circle."""
 LIKELIER = 20.0
-"""Logarithm of how much likelier the conjugate is, from which on it is taken."""
+"""Logarithm of how much likelier the conjugate, or another excitation, is, from which on that is called certain."""
+MATTERS = 0.05
+"""Part by which damping ratios depend on what shook the structure, from which on that is said."""
 
 
 def window_doubts(records: Sequence[ResponseRecord], frequencies: Floats, ratios: Floats) -> list[str]:
@@ -114,3 +116,37 @@ def turns_backwards(record: ResponseRecord, peaks: Sequence[tuple[int, int]], li
         if one is not None and other is not None:
             likelier += one[1] * (np.log(one[0]) - np.log(other[0]))
     return bool(likelier > LIKELIER)
+
+
+def excitation_doubts(record: ResponseRecord, peaks: Sequence[tuple[int, int]]) -> list[str]:
+    """Return a sentence where a response that is read as that to a blow may as well be a mean over noise (H1).
+
+    Peaks a line wide look nearly alike, and their ratios differ; wider ones are alike in both.
+
+    Args:
+        record: the response.
+        peaks: lines of peaks, and how many lines on each side show them.
+    """
+    if record.window is not None or record.excitation != "blow" or not peaks:
+        return []
+    hertz, values = record.frequencies, record.values
+    step = float(hertz[1] - hertz[0])
+    blow, noise = (line_shape(None, None, excitation, step) for excitation in ("blow", "noise"))
+    likelier, apart = 0.0, 0.0
+    for k, reach in sorted(peaks, key=lambda peak: -abs(values[peak[0]])):
+        one, other = (rough_misfit(hertz, values, k, reach, line) for line in (blow, noise))
+        if one is not None and other is not None:
+            likelier += one[1] * (np.log(one[0]) - np.log(other[0]))
+        if likelier < -LIKELIER:
+            return []
+    for k, reach in peaks:
+        poles = [rough_pole(hertz, values, k, reach, line) for line in (blow, noise)]
+        if poles[0] is not None and poles[1] is not None and poles[0][1] > 0.0:
+            apart = max(apart, abs(poles[1][1] / poles[0][1] - 1.0))
+    if apart < MATTERS:
+        return []
+    known = "say that" if likelier > LIKELIER else "do not tell whether"
+    return [
+        f"the lines of {record.name} {known} they are a mean over noise (H1), of which damping ratios are up to "
+        f"{100.0 * apart:.0f} % other than after a blow: if they are, give excitation='noise'"
+    ]

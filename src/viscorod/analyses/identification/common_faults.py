@@ -11,6 +11,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from viscorod.analyses.identification.members import Member
+from viscorod.analyses.identification.record_frequencies import vibrating
 from viscorod.analyses.identification.told import CORRELATED, whiteness
 from viscorod.errors import InputError, SolveError
 from viscorod.records.clipping import clipped_samples
@@ -27,6 +28,9 @@ STILL = 1e-6
 """Part of the measured range below which the model does not move."""
 OTHER_SIZE = 20.0
 """Ratio of ranges from which on a unit or gain is spoken of."""
+STAYS, FIRST, WAITS = 0.05, 5, 0.25
+"""Part of its range within which a history stands still, of where its first samples are, and for how many cycles it
+must be so to be held before a release."""
 OFF_REST = 0.2
 """Part of the range by which a record must begin beside its rest for its sign to be compared."""
 LONG = 0.1
@@ -72,10 +76,20 @@ def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
             f"{direction_text(record.direction)}): is that its place and direction?"
         )
         return
-    if _clipped(measured):
+    # before a release a rod is held where it is, and not clipped there
+    if _clipped(measured[_stays(measured) :]):
         yield (
             f"The largest values of {record.name} come several times in a row: it is clipped there. Cut a window in "
             "which it is not."
+        )
+        return
+    waits, model_waits = (record.times[_stays(one)] - record.times[0] for one in (measured, predicted))
+    released = any(one.name == "release_time" for one in record.nuisances.values())
+    long = max(WAITS / vibrating(record)[0], 2.0 * model_waits)
+    if waits > long and not released:
+        yield (
+            f"{record.name} stands still for its first {waits:.3g} s, and the model does not: if that is before the "
+            "release, give it unknown = ['release_time'], or cut it off and count times from the release."
         )
         return
     sides = [_off_rest(values) for values in (measured, predicted)]
@@ -132,6 +146,11 @@ def _clipped(values: Floats) -> bool:
     return False
 
 
+def _stays(values: Floats) -> int:
+    """Return how many samples of a history stay within a part of its range of where it begins."""
+    return int(np.argmax(np.abs(values - np.median(values[:FIRST])) > STAYS * np.ptp(values)))
+
+
 def _samples_per_cycle(values: Floats) -> float:
     power = np.abs(np.fft.rfft((values - values.mean()) * np.hanning(len(values)))) ** 2
     return len(values) / max(int(np.argmax(power)), 1)
@@ -146,7 +165,7 @@ def _off_rest(values: Floats) -> float:
 
 def _nuisances(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
     """Tell which number of the measurement, not sought so far, would explain most of what is left."""
-    known = {full.removeprefix(f"{record.name}.") for full in record.nuisances}
+    known = {one.name for one in record.nuisances.values()}
     residual, predicted = best.residuals[rows], best.predicted[rows]
     shapes = {
         "offset": np.ones(len(residual)),

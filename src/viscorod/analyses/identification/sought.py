@@ -145,9 +145,8 @@ def series_of(
                 rows = slice(begin + part.start, begin + part.stop)
                 size = np.asarray(noise, dtype=float)
                 halves = isinstance(record, ResponseRecord | ModuliRecord)
-                series.append(
-                    Series(label, rows, regular, size, told, group=group, curves=curves, halves=halves)
-                )
+                times = None if regular else getattr(record, "times", None)
+                series.append(Series(label, rows, regular, size, told, False, group, curves, halves, times))
             measured.append(observed)
             begin += len(observed)
     for number, value, deviation in beliefs:

@@ -12,6 +12,7 @@ from viscorod.results.text_numbers import scaled
 from viscorod.solve.estimation.intervals import Covariance, Interval
 from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.solve.estimation.noise import LEAST_OWN, Series, ljung_box, neighbours_alike
+from viscorod.typing import Floats
 
 __all__ = [
     "CORRELATED",
@@ -40,6 +41,8 @@ UNSETTLED = (
 SIGNAL, MISSED = 0.25, 0.2
 """Relative width of the band about the frequency of a record, and the part of the residuals' power there, above
 what noise of its colour would have, from which on the model misses part of the motion."""
+SPARSE = 20
+"""Times as many places of samples as there are samples beyond which gaps leave no spectrum."""
 
 
 def whiteness(best: Estimate) -> list[float]:
@@ -58,21 +61,33 @@ def whiteness(best: Estimate) -> list[float]:
 
 
 def at_signal(best: Estimate) -> list[float]:
-    """Return of every regular series the part of the residuals' power that lies at the frequency of the record."""
-    found = []
-    for series in best.noise.series:
-        if not series.regular or series.count < 20:
-            found.append(0.0)
-            continue
-        measured, residual = best.measured[series.rows], best.residuals[series.rows]
-        window = np.hanning(series.count)
-        signal, left = (np.abs(np.fft.rfft((x - x.mean()) * window)) ** 2 for x in (measured, residual))
-        signal[0] = 0.0
-        top = int(np.argmax(signal))
-        reach = max(int(np.ceil(SIGNAL * top)), 2)
-        band = slice(max(top - reach, 1), top + reach + 1)
-        found.append(float(left[band].sum() / max(left[1:].sum(), 1e-300)))
-    return found
+    """Return of every history the part of the residuals' power that lies at the frequency of the record."""
+    return [_at_signal(best, series) for series in best.noise.series]
+
+
+def _at_signal(best: Estimate, series: Series) -> float:
+    """Return that part of one series; samples that are missing add nothing to a spectrum."""
+    if series.count < 20 or not (series.regular or series.times is not None):
+        return 0.0
+    measured, residual = best.measured[series.rows], best.residuals[series.rows]
+    places = np.arange(series.count)
+    if series.times is not None:
+        places = np.rint((series.times - series.times[0]) / np.median(np.diff(series.times))).astype(int)
+        if places[-1] > SPARSE * series.count:
+            return 1.0  # nearly all are missing: nothing is told
+    window = np.hanning(places[-1] + 1)
+    signal, left = (_power(x - x.mean(), places, window) for x in (measured, residual))
+    signal[0] = 0.0
+    top = int(np.argmax(signal))
+    reach = max(int(np.ceil(SIGNAL * top)), 2)
+    band = slice(max(top - reach, 1), top + reach + 1)
+    return float(left[band].sum() / max(left[1:].sum(), 1e-300))
+
+
+def _power(values: Floats, places: np.ndarray, window: Floats) -> Floats:
+    even = np.zeros(len(window))
+    even[places] = values
+    return np.asarray(np.abs(np.fft.rfft(even * window)) ** 2)
 
 
 def missed(best: Estimate, *, moved: bool = False) -> list[str]:
@@ -100,11 +115,15 @@ def missed(best: Estimate, *, moved: bool = False) -> list[str]:
 
 
 def much_left(best: Estimate, series: Series) -> bool:
-    """Return whether much is left of values without a time, over the noise that was told or their own spread."""
+    """Return whether much is left of values without a time, over the noise that was told or their own spread.
+
+    Of histories with gaps as much at the frequency of the record: noise is no miss of the model, however large.
+    """
     if series.regular or series.certain:
         return False
     left = float(np.sqrt(np.mean((best.residuals[series.rows] / series.noise) ** 2)))
-    return left > (LARGER if series.told else LEFT_OF_FREQUENCIES if series.group == "frequencies" else LEFT)
+    most = LARGER if series.told else LEFT_OF_FREQUENCIES if series.group == "frequencies" else LEFT
+    return left > most and (series.times is None or series.count < 20 or _at_signal(best, series) > MISSED)
 
 
 def sentences_of(

@@ -112,7 +112,7 @@ class MemberWork:
             found = _compute(case, errors, tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
-        doubts = result.warnings if errors and result is not None and outcome == COMPLETED else []
+        doubts = result.warnings if result is not None and outcome == COMPLETED else []
         parts = {
             "message": "; ".join(filter(None, [message, *wrong, *(f"warning: {text}" for text in doubts)])),
             "outcome": outcome,

@@ -66,6 +66,7 @@ class Series:
             another, over frequency or load; 0 where neighbours have nothing to do with each other.
         halves: whether they are the two parts of complex numbers, one after another, to whose size noise that was not
             told may be in proportion.
+        times: of histories that are not regular, s; None of all others.
     """
 
     label: str
@@ -77,6 +78,7 @@ class Series:
     group: str = ""
     curves: int = 0
     halves: bool = False
+    times: Floats | None = None
 
     @property
     def count(self) -> int:

@@ -44,7 +44,7 @@ class StrainEnergies:
         self._rod = np.concatenate([e.rod for e in system.problem.sets])
         constraints = system.constraints
         gradients = constraints.measure(state)[2].reshape(-1, 2, 6)
-        self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints._stiffness))
+        self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints.slopes[0]))
         self._gradients, self._joined = gradients, constraints.arrays.nodes
         self.linear = linear
         problem = system.problem
