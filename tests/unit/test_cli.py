@@ -10,6 +10,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import typer
 from typer.testing import CliRunner
 
 import viscorod as vr
@@ -167,6 +168,21 @@ def test_help_is_short_too_and_lists_whole_sentences(invoke):
     assert "..." not in text.partition("Commands:")[2]
     assert invoke("run", "-h").exit_code == 0
     assert "--install-completion" in text
+
+
+def test_help_names_what_options_take_in_words():
+    """Of every option with a value; Typer names types of Python, "<int range>"."""
+
+    def options(command, name):
+        for parameter in command.params:
+            if parameter.param_type_name == "option" and not parameter.is_flag:
+                yield name, parameter.opts[0], parameter.metavar
+        for word, inner in getattr(command, "commands", {}).items():
+            yield from options(inner, f"{name} {word}")
+
+    found = list(options(typer.main.get_command(app), "viscorod"))
+    assert len(found) > 100
+    assert [one for one in found if one[2] is None and "completion" not in one[1]] == []
 
 
 def test_run_of_an_equilibrium_and_default_folder(invoke, solving, tmp_path):

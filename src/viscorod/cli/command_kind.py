@@ -7,9 +7,10 @@ import inspect
 import re
 from collections.abc import Callable
 from contextvars import ContextVar
-from typing import Annotated, Any
+from typing import Annotated, Any, get_args
 
 import typer
+from typer.models import OptionInfo
 
 __all__ = ["HELP", "add", "quiet", "wants_json"]
 
@@ -54,6 +55,8 @@ def add(
             _ASKED.reset(before)
 
     signature = inspect.signature(command, eval_str=True)
+    for parameter in signature.parameters.values():
+        _name_value(parameter.annotation)
     more = [
         inspect.Parameter(word, inspect.Parameter.KEYWORD_ONLY, default=False, annotation=kind)
         for word, kind in flags.items()
@@ -61,6 +64,15 @@ def add(
     vars(run)["__signature__"] = signature.replace(parameters=[*signature.parameters.values(), *more])
     run.__annotations__ = {**command.__annotations__, **flags}
     app.command(name, short_help=_first_sentence(command))(run)
+
+
+def _name_value(annotation: Any) -> None:
+    """Say in words what an option takes that does not say it itself: Typer would write "<int range>"."""
+    kind, *about = get_args(annotation) or (annotation,)
+    taken = {int: "N", float: "NUMBER", str: "WORD"}
+    for option in about:
+        if isinstance(option, OptionInfo) and option.metavar is None:
+            option.metavar = next((taken[one] for one in get_args(kind) or (kind,) if one in taken), None)
 
 
 def _first_sentence(command: Callable[..., None]) -> str:
