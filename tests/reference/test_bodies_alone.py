@@ -132,3 +132,19 @@ def test_a_case_file_may_have_bodies_only(tmp_path: Path) -> None:
     )
     model = vr.load_case(path).model(vr.Model)
     assert model.equilibrium().displacement("ball") == pytest.approx([0, 0, -20.0 / 800.0], abs=1e-9)
+
+
+def test_a_mass_on_a_spring_that_is_a_pendulum() -> None:
+    """``f = sqrt(k/m)/2 pi`` along the spring and ``sqrt(g/L)/2 pi`` across, L with its elongation ``m g/k``.
+
+    The line is as long as it is without force where the model is described: nothing holds the mass across it there.
+    """
+    mass, stiffness, length = 1.0, 100.0, 1.0
+    model = vr.Model()
+    model.add("bob", vr.Body(mass, (0, 0, 0), centre=(0, 0, -length)))
+    model.support("bob", ("rx", "ry", "rz"))
+    model.line_spring("bob", (0, 0, 0), stiffness=stiffness, length=length)
+    model.gravity()
+    across = np.sqrt(9.81 / (length + 9.81 * mass / stiffness))
+    expected = np.array([across, across, np.sqrt(stiffness / mass)]) / (2.0 * np.pi)
+    assert model.modes(3).frequencies == pytest.approx(expected, rel=1e-9)
