@@ -2,6 +2,7 @@
 
 import json
 import re
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
@@ -9,6 +10,7 @@ import pytest
 import viscorod as vr
 from helpers.plain_text import flat
 from helpers.synthetic_results import rolled_up, swing
+from viscorod.quantity_text import quantity
 from viscorod.results.equilibrium_result import Equilibrium
 from viscorod.results.reports.report_parts import load_level
 from viscorod.results.result_warnings import warnings_of
@@ -173,6 +175,32 @@ def test_what_the_steps_lost_is_told_everywhere(tmp_path):
         assert text in flat(run.report())
         assert any(text in told for told in json.loads(run.data.attrs["warnings"]))
     assert any(text in told for told in vr.load(tmp_path / "run.nc").warnings)
+
+
+@pytest.mark.parametrize(("retardation", "told"), [(1e-8, True), (1e-4, False)])
+def test_steps_that_take_more_than_the_material_are_told(retardation, told):
+    """What is gone of the energy of a strip that swings is the sum of what damping and steps took: their balance."""
+    steel = vr.Material(
+        youngs_modulus=2.1e11,
+        poissons_ratio=0.3,
+        density=7850.0,
+        damping=vr.KelvinVoigt(shear_time=retardation, bulk_time=retardation),
+    )
+    model, section = vr.Model(), vr.Rectangle(0.02, 0.001)
+    rod = vr.Rod.straight((0, 0, 0), (0.3, 0, 0), section=section, material=steel, elements=1, order=5)
+    model.add("strip", rod)
+    model.clamp("strip.start")
+    model.force("strip.end", (0, 0, 0.5), until=0.0)
+    with pytest.warns(vr.AccuracyWarning, match="is not the material's") if told else nullcontext():
+        run = model.simulate(0.1, tolerance=1e-5, errors=False)
+    warned = [text for text in run.warnings if "is not the material's" in text]
+    assert len(warned) == told
+    energy = run.energy
+    gone, steps = energy.total[0] - energy.total[-1], -energy.numerical[-1]
+    assert gone == pytest.approx(steps + energy.viscous[-1], rel=1e-9)
+    assert (steps > energy.viscous[-1]) == told
+    if told:
+        assert f"steps took {quantity(steps, 'J', 2)} of energy, damping took" in warned[0]
 
 
 def test_a_motion_computed_again_warns_of_its_last_mesh_only():

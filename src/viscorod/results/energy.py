@@ -115,6 +115,11 @@ class Energy(Shown, Alike):
         return moved if moved > floor else 0.0
 
     @property
+    def lost(self) -> float:
+        """Energy that damping took until the end [J]: of the material, of dampers and of drag."""
+        return float(self.viscous[-1] + self.outside[-1])
+
+    @property
     def numerical_fraction(self) -> float:
         """Largest amount of the numerical remainder as a fraction of ``moved`` (0 where nothing moved)."""
         moved = self.moved

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from viscorod.quantity_text import quantity
 from viscorod.results.array_pieces import extremes
 from viscorod.results.step_error import motion_doubt
 from viscorod.results.text_numbers import number
@@ -26,6 +27,8 @@ _NAMED = 8  # modes that a warning names at most
 _MODES = 0.1  # accepted difference from the motion in half as many modes, whose error is the larger one
 _OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
+_OF_LOSS = 0.2  # accepted remainder, as a part of what the material, dampers and drag took
+_ROUNDED = 1e-9  # and what is less than this part of the energy is not looked at
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
 
@@ -39,11 +42,11 @@ def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
     Added to the stored ones are:
-    a remainder of the energy account above 1 % of the energy that moved, steps whose errors are estimated to add up to
-    more than 1 % of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of
-    the largest section force, or could not be estimated, critical loads and frequencies that change by more than 1 %
-    with it, and shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small
-    strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    a remainder of the energy account above 1 % of the energy that moved, or above 20 % of what damping took, steps
+    whose errors are estimated to add up to more than 1 % of the motion, a mesh whose error is estimated as more than
+    1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, critical loads and
+    frequencies that change by more than 1 % with it, and shear, stretch, or bending and twist times half width beyond
+    0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.stored
     texts = stored_warnings(data)
@@ -84,21 +87,31 @@ def _mode_warnings(result: Result) -> list[str]:
 
 
 def energy_doubt(data: Stored) -> str:
-    """Return a warning if the remainder of the energy account is above 1 % of the energy that moved, else nothing."""
+    """Return a warning of a remainder of the energy account that is above what is accepted, else nothing.
+
+    That is 1 % of the energy that moved, and 20 % of what damping took: above it a motion decays as its steps do more
+    than as its material does, however small both are.
+    """
     if "numerical" not in data or "kinetic" not in data:
         return ""
     from viscorod.results.energy import Energy
 
     energy = Energy.of(data)
-    fraction = energy.numerical_fraction
-    if fraction <= _NUMERICAL or np.abs(energy.numerical).max() <= _OF_ALL * energy.total.max():
-        return ""
+    fraction, made, lost = energy.numerical_fraction, float(energy.numerical[-1]), energy.lost
     setting = "tolerance" if "tolerance" in data.attrs else "time_step"
     used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
-    return (
-        f"the numerical remainder of the energy account reaches {number(100.0 * fraction, 2)} % "
-        f"of the energy that moved; use a smaller {setting}{used}"
-    )
+    if fraction > _NUMERICAL and np.abs(energy.numerical).max() > _OF_ALL * energy.total.max():
+        return (
+            f"the numerical remainder of the energy account reaches {number(100.0 * fraction, 2)} % "
+            f"of the energy that moved; use a smaller {setting}{used}"
+        )
+    floor = _ROUNDED * max(energy.moved, float(energy.total.max()))
+    if lost > floor and abs(made) > max(_OF_LOSS * lost, floor):
+        return (
+            f"steps {'made' if made > 0.0 else 'took'} {quantity(abs(made), 'J', 2)} of energy, damping took "
+            f"{quantity(lost, 'J', 2)}: the decay of this motion is not the material's; use a smaller {setting}{used}"
+        )
+    return ""
 
 
 def _mesh_warnings(result: Result) -> list[str]:
