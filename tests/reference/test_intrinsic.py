@@ -63,7 +63,12 @@ def distance(make, elements, order, duration, tolerance):
     model, length, given = make(elements, order)
     runs = [
         model.simulate(
-            duration, formulation=name, tolerance=tolerance, output_interval=duration / 100, **given
+            duration,
+            formulation=name,
+            tolerance=tolerance,
+            output_interval=duration / 100,
+            errors=False,
+            **given,
         ).data
         for name in ("geometric", "intrinsic")
     ]
@@ -106,6 +111,7 @@ def test_energy_balance_of_the_midpoint_rule(name, damping):
         damping=damping,
         integrator="midpoint",
         time_step=duration / 500,
+        errors=False,
         **given,
     ).data
     moved = float(np.abs(run["viscous"]).max())
@@ -178,7 +184,12 @@ def follows(model, settings, omega, tau, place, motion, rtol):
     given, amplitude = settings
     duration = 3 * 2 * np.pi / omega
     run = model.simulate(
-        duration, formulation="intrinsic", initial="reference", output_interval=duration / 60, **given
+        duration,
+        formulation="intrinsic",
+        initial="reference",
+        output_interval=duration / 60,
+        errors=False,
+        **given,
     )
     value = motion(run, place) / amplitude
     expected = decaying(run.time, omega, tau)
@@ -265,6 +276,7 @@ def test_start_from_a_strain_field():
                 formulation=formulation,
                 tolerance=1e-8,
                 output_interval=0.01,
+                errors=False,
             )
         )
     n2 = k * k + t * t
@@ -295,7 +307,12 @@ def test_linear_dynamics_about_a_bent_and_stressed_rod(following):
         model.clamp("rod.start")
         model.force("rod.end", (0.8, 1.2, 1.0), following=following)
         model.force("rod.end", (0.5 * small, 0.0, small), time=vr.Sine(0.4))
-        given = {"formulation": "intrinsic", "damping": "linearised", "output_interval": 0.05}
+        given = {
+            "formulation": "intrinsic",
+            "damping": "linearised",
+            "output_interval": 0.05,
+            "errors": False,
+        }
         runs = [
             model.simulate(2.0, tolerance=1e-8, **given),
             model.simulate(2.0, tolerance=1e-8, dynamics="linear", **given),

@@ -234,10 +234,11 @@ def many_lines():
 def test_the_kind_of_a_noisy_response_is_named_from_a_start_that_is_off(many_lines, power, words):
     """Peaks of the start are 7 % lower; in what the data do not explain nothing is sought for long."""
     case, clean = many_lines
-    values = clean / (2j * np.pi * LINES) ** power
-    noise = np.random.default_rng(0).normal(size=(2, 401))
+    lines = LINES[::2]
+    values = clean[::2] / (2j * np.pi * lines) ** power
+    noise = np.random.default_rng(0).normal(size=(2, len(lines)))
     values = values + 0.01 * np.abs(values).max() / np.sqrt(2.0) * (noise[0] + 1j * noise[1])
-    fit = vr.identify(case, vr.ResponseRecord(LINES, values), {YOUNG: 60e9, TIMES: 2e-4})
+    fit = vr.identify(case, vr.ResponseRecord(lines, values), {YOUNG: 60e9, TIMES: 2e-4})
     assert bool(told(fit, "looks like")) == bool(words)
     assert bool(fit.missed) == bool(words)
     if words:
