@@ -16,17 +16,6 @@ H, CORNER, LAST_H, LAST_ERROR, FAILED, LIMIT, ACCEPTED, LARGEST, ORDER, ITERATIO
 """Places among the numbers: next step and corner [s]; the last accepted step [s] and its error (-1: none); whether the
 last attempt failed; what limits the next step, and what limited the accepted one; then as in ``ErrorControl``."""
 
-AGREEMENT = 2.0
-"""A step becomes longer if the error of the step before, at this length, is below the tolerated one by this factor. The
-error of a vibration is none for a moment, twice in a period, and says nothing of the next step then."""
-
-SHORTER = 0.9
-"""A step that is to become shorter by less than this stays as it is, as one that is to become longer by less than the
-number ``KEEP``: another length asks for new factors."""
-
-LEAST = 1e-2
-"""Error of the last step, over the tolerated one, below which the course of errors is not followed."""
-
 NOTHING, JUMP, BEGINNING, CONVERGENCE, ERROR, NEXT_CORNER, LARGEST_STEP = range(7)
 """What limits a step."""
 
@@ -58,18 +47,16 @@ def accept_step(numbers: Floats, converged: bool, error: float, iterations: int,
         numbers[LIMIT], numbers[FAILED] = ERROR, 1.0
         return False
     if numbers[LAST_ERROR] >= 0.0:
-        ratio, last = h / numbers[LAST_H], numbers[LAST_ERROR]
-        course = safety * ratio * (max(last, LEAST) / error) ** power * error**-power
-        known = safety * (AGREEMENT * last) ** -power / ratio
-        factor = min(factor, course, max(known, 1.0))
+        before, error_before = numbers[LAST_H], numbers[LAST_ERROR]
+        factor = min(factor, safety * (h / before) * (error_before / error) ** power * error**-power)
     factor = min(max(factor, 0.2), 1.0 if numbers[FAILED] != 0.0 else numbers[GROWTH])
-    numbers[LAST_H], numbers[LAST_ERROR] = h, error
+    numbers[LAST_H], numbers[LAST_ERROR] = h, max(error, 1e-2)
     numbers[ACCEPTED] = numbers[LIMIT] if h >= 0.99 * numbers[H] else NEXT_CORNER
     numbers[FAILED] = 0.0
     if h < 0.99 * numbers[H]:
         # the step was cut to hit a corner: the one planned is still good unless this one says otherwise
         numbers[H] = max(numbers[H], h * factor) if error < 0.1 else h * factor
-    elif not SHORTER <= factor <= numbers[KEEP]:
+    elif not 1.0 <= factor <= numbers[KEEP]:
         numbers[H] = h * factor
     numbers[LIMIT] = ERROR
     if numbers[H] >= numbers[LARGEST]:

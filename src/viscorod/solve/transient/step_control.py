@@ -135,7 +135,7 @@ class ErrorControl:
     largest: float
     duration: float
     iterations: int = 10
-    keep: float = 1.5
+    keep: float = 1.2
     growth: float = 5.0
     notes_failures = False
 
