@@ -17,7 +17,11 @@ FILE = {
     "title": ("text", "name of the file", "heading of reports and pictures"),
     "materials": ("tables `[materials.NAME]`", "\N{EN DASH}", "see Materials"),
     "sections": ("tables `[sections.NAME]`", "\N{EN DASH}", "see Sections"),
-    "rods": ("tables `[rods.NAME]`", "required", "see Rods"),
+    "rods": (
+        "tables `[rods.NAME]`",
+        "\N{EN DASH}",
+        "see Rods; a case has rods or bodies, or both",
+    ),
     "bodies": ("tables `[bodies.NAME]`", "\N{EN DASH}", "see Rigid bodies"),
     "supports": ("tables `[[supports]]`", "\N{EN DASH}", "see Supports"),
     "loads": ("tables `[[loads]]`", "\N{EN DASH}", "see Loads"),

@@ -3,20 +3,21 @@
 from __future__ import annotations
 
 import json
+import re
 
 import numpy as np
 import pytest
 import xarray as xr
 
 import viscorod as vr
-from viscorod.analyses.derivatives import motions
+from viscorod.analyses.derivatives import motions, orbits
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.derivatives.mode_shapes import ShapeRates
 from viscorod.analyses.derivatives.neighbours import Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.provenance import material_record
 from viscorod.analyses.start_state import StartState
-from viscorod.errors import InputError
+from viscorod.errors import InputError, SolveError
 from viscorod.results.data_schema import annotated
 from viscorod.results.dataset import dataset
 from viscorod.solve.constraints.support_state import SupportState
@@ -447,6 +448,71 @@ def test_neighbours_whose_velocities_hardly_differ_are_taken_farther(monkeypatch
     assert np.linalg.norm(found - wanted) < 1e-6 * np.linalg.norm(wanted)
 
 
+def test_neighbours_by_a_time_of_damping_are_not_too_far(monkeypatch):
+    """Four neighbours that are as far apart at most, extrapolated, tell the same.
+
+    A beam whose fast modes die within a few milliseconds: of a thousandth of the time of damping the third order was
+    1e-6 of how the beam turns.
+    """
+    model = vr.Model()
+    damping = vr.KelvinVoigt(0.015833807108616368, 0.0025220538376172844)
+    rubber = vr.Material(
+        13236641.67659404, poissons_ratio=0.2095711959695778, density=1100.0, damping=damping
+    )
+    model.materials["rubber"] = rubber
+    end = (0.3, -0.08750747346771565, -0.08713422569638929)
+    section = vr.Rectangle(0.018879032455999957, 0.010147040579882256)
+    rod = vr.Rod.straight((0, 0, 0), end, section=section, material=rubber, elements=2, order=3)
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.gravity((-1.7214501334318308, 2.333841523896845, -1.5072697846025933))
+    model.force("beam.end", (-0.135081956344353, -0.116294002500836, -0.0133209056717778), until=0.0)
+    key, given = "materials.rubber.damping.shear_time", {"duration": 0.05, "output_interval": 0.01}
+
+    def turning():
+        return model.simulate(**given, derivatives=[key]).derivatives[key].data["angular_velocity"].values
+
+    def many(cls, model, key, discrete, *_):
+        return cls(Neighbours.of(model, key, discrete, many=1e-3), None)
+
+    found = turning()
+    monkeypatch.setattr(motions._Tried, "of", classmethod(many))
+    wanted = turning()
+    assert np.linalg.norm(wanted) > 1.0
+    assert np.linalg.norm(found - wanted) < 7e-7 * np.linalg.norm(wanted)
+
+
+def test_numbers_that_are_felt_in_motion_only_go_through_it_once(monkeypatch):
+    """A time of damping that round-off would hide, and one that it would not: what they move is known beforehand.
+
+    The elongation of a rod that bends hardly damps it; what does follows from the adjoint, which has no neighbours.
+    """
+    passes = []
+    together = motions.side_by_side
+
+    def counted(all_of_them, *args):
+        passes.append(len(all_of_them))
+        return together(all_of_them, *args)
+
+    monkeypatch.setattr(motions, "side_by_side", counted)
+    times = ["materials.rubber.damping.shear_time", "materials.rubber.damping.bulk_time"]
+    given = {"duration": 0.2, "output_interval": 0.02}
+    run = swing().simulate(**given, derivatives=times)
+    assert passes == [6]
+    weights = {"position": np.zeros(run.data["position"].shape)}
+    weights["position"][:, -1] = np.random.default_rng(4).normal(size=(len(run.time), 3))
+
+    def scalar(found):
+        return float(np.vdot(weights["position"], found.data["position"].values)), weights
+
+    function = swing().value_and_gradient(times, scalar, adjoint=True, **given)
+    gradient = function(function.values)[1]
+    assert function.way == "adjoint"
+    for key, exact in zip(times, gradient, strict=True):
+        found = float(np.vdot(weights["position"], run.derivatives[key].data["position"].values))
+        assert found == pytest.approx(exact, rel=1e-6)
+
+
 def test_neighbours_that_rest_go_through_their_motion_once(monkeypatch):
     """Where nothing moves velocities of neighbours do not differ, however far apart they are."""
     passes = []
@@ -542,6 +608,37 @@ def test_small_periodic_motions_change_as_responses_do():
         assert np.abs(found.derivatives[key].frequencies).max() == 0.0
     with pytest.raises(InputError, match="free vibrations"):
         model.periodic(mode=1, largest=1e-3, outputs=["beam.end uz"], derivatives=keys)
+
+
+def test_periodic_motions_without_a_neighbour_leave_the_others_their_derivatives(monkeypatch):
+    """A fold, or what a superharmonic resonance sets off, beside one motion: that one has none, and it is told."""
+    model = bar(elements=2)
+    model.clamp("beam.start")
+    given = {"inputs": "beam.end fz", "outputs": ["beam.end uz"], "amplitudes": [1e-6], "derivatives": [E]}
+    span = {"frequencies": [12.0, 13.0], "points": 2, "harmonics": 3, "stability": False}
+
+    def others(found):
+        return found.harmonics(0)[1:, 1]
+
+    whole = model.periodic(**given, **span).derivatives[E].of(others)
+    alone = [12.0]
+
+    class Alone(orbits.OrbitSolver):
+        def solve(self, orbit, setting, *more, **named):
+            hertz = setting.omega / (2.0 * np.pi)
+            found = super().solve(orbit, setting, *more, **named)
+            return None if any(abs(hertz - one) < 1e-6 for one in alone) else found
+
+    monkeypatch.setattr(orbits, "OrbitSolver", Alone)
+    found = model.periodic(**given, **span)
+    assert found.derivatives[E].of(others) == pytest.approx(whole, rel=1e-12)
+    told = "no motion was found beside that of point 1 (12 Hz) for a slightly other"
+    assert told in found.derivatives[E].notes[0]
+    with pytest.raises(InputError, match=re.escape(told)):
+        found.derivatives[E].of(lambda all_of_them: all_of_them.harmonics(0)[:, 1])
+    alone += found.frequencies.tolist()
+    with pytest.raises(SolveError, match="Ask for frequencies or levels further off"):
+        model.periodic(**given, **span)
 
 
 def test_a_motion_knows_no_unit_of_mass():

@@ -41,7 +41,7 @@ def columns(rows, name, keys="xyz"):
 def test_a_bar_that_is_no_rod_hangs_below_one_that_is():
     """Two uniform bars of length 1 and mass 1 on hinges: ``M = [[4/3, 1/2], [1/2, 1/3]]``, ``K = g [3/2, 1/2]``.
 
-    The upper one is a rod that keeps its shape, as the message advises that refuses a model of bodies alone.
+    The upper one is a rod that keeps its shape.
     """
     section = vr.StiffnessSection(np.ones(6), [1.0, 1.0, 1.0, 1e-12, 1e-12, 2e-12])
     model = vr.Model()

@@ -131,6 +131,43 @@ def test_the_growing_one_of_two_that_meet_is_followed():
     assert "grow from the beginning" in flat(late.report())
 
 
+def test_beals_free_rod_flutters_beside_motions_that_diverge():
+    """Beal 1965: ``EI w'''' + P ((1 - x) w')' + m w'' = 0``, free at both ends, a thrust P that follows at x = 0.
+
+    The thrust is in balance with the inertia of the rod, a dead force along it, and soft springs hold it, on which it
+    turns away at once. The right load by Ritz's method with polynomials. A rigid motion that diverges all the while
+    looks much like the one that flutters: the limit was told to be at the last load before.
+    """
+    points, weights = np.polynomial.legendre.leggauss(40)
+    x, weights = 0.5 * (points + 1.0), 0.5 * weights
+    shapes = [np.polynomial.Legendre.basis(j, domain=[0, 1]) for j in range(14)]
+    w, slope, bend = (np.array([one.deriv(k)(x) if k else one(x) for one in shapes]) for k in range(3))
+    mass, own = (w * weights) @ w.T, (bend * weights) @ bend.T
+    pushed = (slope * weights * (1.0 - x)) @ slope.T
+    pushed += np.outer([one(0.0) for one in shapes], [one.deriv()(0.0) for one in shapes])
+
+    def fluttering(load):
+        squares = np.linalg.eigvals(np.linalg.solve(mass, own - load * pushed))
+        return np.abs(squares[np.abs(squares) > 1.0].imag).max() - 1e-2
+
+    right = brentq(fluttering, 100.0, 115.0, xtol=1e-4)
+    section = vr.StiffnessSection(
+        {"EA": 1e6, "GA1": 1e6, "GA2": 1e6, "EI1": 1.0, "EI2": 2.0, "GJ": 1.0}, [1, 1, 1, 1e-9, 1e-9, 2e-9]
+    )
+    model = vr.Model()
+    mesh = {"elements": 4, "order": 4, "constraints": "kirchhoff"}
+    model.add("rod", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, **mesh))
+    model.force("rod.start", (0, 0, 1.0), following=True)
+    with pytest.raises(vr.InputError, match="What its own thrust accelerates"):
+        model.stability(band=(90.0, 120.0), count=4)
+    model.distributed_force("rod", (-1.0, 0, 0))
+    model.spring("rod@0.5", stiffness=dict.fromkeys(("ux", "uy", "uz", "rx", "ry", "rz"), 1e-3))
+    found = model.stability(band=(90.0, 120.0), count=4, modes=8)
+    (flutter,) = found.limits
+    assert flutter.kind == "flutter"
+    assert flutter.at == pytest.approx(right, rel=5e-5)
+
+
 def test_eulers_column_diverges():
     """pi^2/4 under a load that keeps its direction, here in tenths of that; frequencies vanish there."""
     found = beck(load=0.1 * np.pi**2 / 4.0, following=False, elements=4).stability(

@@ -267,7 +267,7 @@ def test_functions_of_time():
         ("[equilibrium]", "[simulate]", "simulate.duration", "missing"),
         ("[equilibrium]", "equilibrium = 3", "loads[0].equilibrium", "no such key"),
         ("[rods.beam]", "[rods.'a beam']", "rods.'a beam'", "as a name"),
-        ("[rods.beam]", "[beams.beam]", "rods", "at least one rod"),
+        ("[rods.beam]", "[beams.beam]", "rods", "a rod or a body"),
         ("[materials.rubber]", "title = 3\n[materials.rubber]", "title", "text"),
         ("[materials.rubber]", "[[materials]]", "materials", "[materials.NAME]"),
     ],

@@ -257,6 +257,7 @@ def test_check_draws_the_model_where_it_is_told(invoke, tmp_path):
     assert (tmp_path / "pictures" / "assembly.png").stat().st_size > 10_000
     assert "Written: pictures/assembly.png" in result.stdout
     told = json.loads(invoke("check", "cantilever_swing.toml", "-o", "pictures", "--json").stdout)
+    assert told["rods"][0]["d1 at its start"] == pytest.approx([0.0, 1.0, 0.0])  # numbers, not their text
     assert told["rods"][0]["length [m]"] == pytest.approx(0.3)
     assert len(told["frequencies"]) == len(told["damping_ratios"]) == len(told["mode_names"])
     (tmp_path / "taken").write_text("")

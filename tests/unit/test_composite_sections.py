@@ -210,6 +210,13 @@ def test_regions_meet_in_spite_of_round_off():
         assert C[2, 2] == pytest.approx(PolygonSection(whole).moments()[0], rel=1e-7)
 
 
+def test_an_object_that_is_none_of_the_shapes_is_told_by_its_class():
+    """It was told to be a table that lacks a key, which nobody has in Python."""
+    polygon = PolygonSection(((0, 0), (1, 0), (1, 1)))
+    with pytest.raises(InputError, match=r"this cannot be a PolygonSection; give one of Circle, Annulus"):
+        CompositeRegion(Material(2e11, 0.3, 7850.0), polygon)
+
+
 def test_rods_take_no_material_beside_a_composite_section():
     law = material(1e6, nu=0.3, shear=0.01, bulk=0.01)
     section = strip(law, material(2e6, nu=0.3))

@@ -1,8 +1,13 @@
 """Keys with values on the command line, where shells take quotes away."""
 
+from pathlib import Path
+
 import pytest
+from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers.plain_text import flat
+from viscorod.cli.app import app
 from viscorod.cli.key_values import column_of, drawn, grid_of, value_of
 
 READ = [
@@ -63,3 +68,36 @@ def test_distributions_of_counts_are_drawn_too():
     key, found = drawn("rods.beam.elements=randint(1, 4)")
     assert key == "rods.beam.elements"
     assert found.support() == (1, 3)
+
+
+@pytest.mark.parametrize(
+    ("command", "words"),
+    [
+        (
+            ["sweep", "--set", "rods.beam.elements=1", "--set", "rods.beam.elements=2"],
+            "--set rods.beam.elements: it is",
+        ),
+        (["sweep", "--grid", "rods.beam.elements=1,2", "--grid", "rods.beam.elements=3,4"], "KEY=1,2"),
+        (
+            ["sweep", "--grid", "rods.beam.elements=[1, 2]"],
+            "this is one value, a list; leave out the brackets",
+        ),
+        (["run", "--set", "rods.beam.elements=1", "--set", "rods.beam.elements=2"], "it is given twice"),
+        (
+            ["sweep", "--set", "rods.beam.elements=1,2", *["--quantity", "f=frequency 1"] * 2],
+            "--quantity f: it is",
+        ),
+        (
+            ["ensemble", "-n", "8", *["--draw", "rods.beam.end[0]=norm(1, 0.1)"] * 2],
+            "--draw rods.beam.end[0]: it",
+        ),
+    ],
+)
+def test_what_is_given_twice_or_in_brackets_is_refused(command, words, tmp_path, monkeypatch):
+    """Only the last of two counted, without a word."""
+    monkeypatch.chdir(tmp_path)
+    case = Path(__file__).parents[2] / "examples" / "cantilever_swing.toml"
+    told = CliRunner().invoke(app, [command[0], str(case), *command[1:]])
+    assert told.exit_code == 2
+    assert words in flat(told.stderr)
+    assert not list(tmp_path.iterdir())

@@ -7,7 +7,7 @@ import threading
 import pytest
 
 from helpers.deadly_members import work
-from viscorod.analyses.sweeps.processes import in_parallel
+from viscorod.analyses.sweeps.processes import hired
 from viscorod.errors import InputError
 
 DONE = ("", "completed")
@@ -20,7 +20,8 @@ def died(number, why):
 def computed(jobs, workers=2):
     jobs = [{"number": k, **job} for k, job in enumerate(jobs)]
     found = {}
-    in_parallel(work, jobs, range(len(jobs)), found, workers, threading.Event(), None, died)
+    with hired(work, len(jobs), workers) as crew:
+        crew.work(jobs, range(len(jobs)), found, threading.Event(), None, died)
     return [found[k] for k in range(len(jobs))]
 
 
@@ -62,6 +63,9 @@ def test_what_cannot_be_handed_over_is_its_own_failure():
 
 def test_processes_that_end_before_they_begin_are_one_message(monkeypatch):
     monkeypatch.setattr("viscorod.analyses.sweeps.processes._serve", os._exit)
-    with pytest.raises(InputError, match="no worker process could be started"):
-        in_parallel(work, [{"number": 0}], [0], {}, 1, threading.Event(), None, died)
+    with (
+        pytest.raises(InputError, match="no worker process could be started"),
+        hired(work, 1, 1) as crew,
+    ):
+        crew.work([{"number": 0}], [0], {}, threading.Event(), None, died)
     assert not multiprocessing.active_children()

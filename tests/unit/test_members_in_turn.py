@@ -11,6 +11,7 @@ import pytest
 import viscorod as vr
 from viscorod.analyses.case_run import run_case
 from viscorod.casefile.case import case_from_dict
+from viscorod.solve.modes import vibrations
 
 TEXT = """
 [materials.rubber]
@@ -114,3 +115,11 @@ def test_shapes_and_names_are_those_of_the_member_also_if_they_are_read_later():
     assert first.names == again.names
     assert first.shapes.tobytes() == again.shapes.tobytes()
     assert first.shares.tobytes() == again.shares.tobytes()
+
+
+def test_shapes_of_members_are_not_made_for_a_frequency(monkeypatch):
+    """Names of modes follow from their shapes; a frequency by its number needs neither."""
+    case, given = case_with("modes"), {"workers": 1, "errors": 0, "quantities": {"f": ("frequency", 1)}}
+    known = vr.sweep(case, {MODULUS: MODULI}, **given).table()["f"].tolist()
+    monkeypatch.setattr(vibrations, "_shown", lambda *_: pytest.fail("shapes were made"))
+    assert vr.sweep(case, {MODULUS: MODULI}, **given).table()["f"].tolist() == known

@@ -1,6 +1,7 @@
 """Materials from tables of complex moduli, and from loss factors."""
 
 import math
+import re
 
 import numpy as np
 import pytest
@@ -8,13 +9,17 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import minimize
 
+from viscorod.analyses.model import Model
 from viscorod.casefile.case import case_from_dict, load_case
 from viscorod.errors import InputError
 from viscorod.model.materials.complex_moduli import ComplexModuli, ModulusTable
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
+from viscorod.model.materials.prony import Prony
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
+from viscorod.model.rod import Rod
+from viscorod.model.sections.section_shapes import Rectangle
 
 HERTZ = np.geomspace(0.01, 100.0, 41)
 OMEGA = 2.0 * np.pi * HERTZ
@@ -364,3 +369,44 @@ value = [0.0, 1.0, 0.0]
     # the modulus comes from the table, whatever Poisson's ratio is: both sag alike but for shear
     sag = [member.result.displacement("beam.end")[1] for member in members]
     assert sag[0] == pytest.approx(sag[1], rel=1e-3)
+
+
+FAR_OFF = RELAXATION.complex_modulus(OMEGA)
+
+
+@pytest.mark.parametrize(
+    ("damping", "doubted"),
+    [
+        (ComplexModuli(**table(FAR_OFF)), True),
+        (ComplexModuli(**table(FAR_OFF), law="maxwell"), False),
+        (ComplexModuli(**table(FAR_OFF), fit="low_frequency"), False),
+        (ComplexModuli(**table(kelvin_voigt(1e6, 1e-4))), False),
+        (
+            Prony(
+                extension_moduli=(5e5, 3e5),
+                extension_times=(0.2, 0.01),
+                law="kelvin_voigt",
+                band=(0.01, 100.0),
+            ),
+            True,
+        ),
+        (Prony(extension_moduli=(5e5, 3e5), extension_times=(0.2, 0.01), law="maxwell"), False),
+    ],
+)
+def test_every_result_tells_that_one_time_does_not_follow_the_data(damping, doubted):
+    """Values: the errors of the material that results, over the band, against the series that made the table."""
+    given = {"youngs_modulus": 1e6} if isinstance(damping, Prony) else {}
+    material = Material(**given, poissons_ratio=0.3, density=1000.0, damping=damping)
+    model = Model()
+    model.add("strip", Rod.straight((0, 0, 0), (0.2, 0, 0), section=Rectangle(0.01, 0.01), material=material))
+    model.clamp("strip.start")
+    told = [text for text in model.modes(1).warnings if "one Kelvin-Voigt time" in text]
+    assert told == [text for text in model.simulate(0.01).warnings if "one Kelvin-Voigt time" in text]
+    assert told == [text for text in model.check().warnings if "one Kelvin-Voigt time" in text]
+    if not doubted:
+        assert not told
+        return
+    fit = material.youngs_modulus + 1j * OMEGA * material.extensional_viscosity
+    wrong = 100.0 * np.abs(fit.imag / FAR_OFF.imag - 1.0).max()
+    (found,) = (float(n) for text in told for n in re.findall(r"the loss modulus by ([\d.]+) %", text))
+    assert found == pytest.approx(wrong, rel=0.05)  # two digits

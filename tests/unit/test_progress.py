@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import io
+import re
 from itertools import count
 from types import SimpleNamespace
 
@@ -76,3 +78,35 @@ def test_what_is_computed_again_is_told_again(monkeypatch, capsys):
             report(reached, 5.0)
     told = [line.split(",")[0] for line in capsys.readouterr().err.splitlines()]
     assert told == ["t = 5 of 10 s", "t = 10 of 10 s"] * 2
+
+
+def test_many_things_are_told_every_ten_minutes_with_their_rate(monkeypatch, capsys):
+    """Forty members were done before; from there on it is one in a hundred seconds."""
+    ticking(monkeypatch, 100.0, 50.0)
+    with progress.counting(1000, "members") as report:
+        for done in range(40, 60):
+            report(done)
+    lines = capsys.readouterr().err.splitlines()
+    assert [line.split(" of")[0] for line in lines] == ["46", "52", "58"]
+    assert lines[0] == "46 of 1000 members, 0.01 per s, 95400 s left"
+
+
+class Terminal(io.StringIO):
+    """A standard error that is looked at."""
+
+    def isatty(self):
+        return True
+
+
+def test_a_terminal_has_the_rate_too(monkeypatch):
+    monkeypatch.setenv("TERM", "xterm")
+    monkeypatch.setenv("COLUMNS", "100")
+    screen = Terminal()
+    monkeypatch.setattr("sys.stderr", screen)
+    ticking(monkeypatch, 2.0)
+    with progress.counting(100, "members") as report:
+        for done in range(5):
+            report(float(done))
+    told = re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
+    assert "4 of 100 members" in told
+    assert "0.5 per s" in told

@@ -40,6 +40,8 @@ def test_axes_take_the_prefix_of_what_they_show():
     assert (axes.get_xlabel(), axes.get_ylabel()) == ("time [µs]", "pressure [GPa]")
     assert "100" in [text.get_text() for text in axes.get_xticklabels()]
     assert axes.get_xlim()[1] > 4e-4  # what is drawn stays as it was
+    decimals = {len(text.get_text().partition(".")[2]) for text in axes.get_yticklabels()}
+    assert decimals == {1}, "0.0, 0.5, 1.0 ... as without a prefix, not 0, 0.5, 1"
 
 
 def test_logarithmic_axes_and_units_that_fit_stay():

@@ -305,3 +305,45 @@ def test_sobol_indices_of_a_function_of_results_are_those_in_closed_form(held):
             low, high = table.loc[key, f"{name}_lower"], table.loc[key, f"{name}_upper"]
             assert low <= value <= high, (name, key)
             assert high - low < 0.6
+
+
+def test_numbers_of_modes_that_are_followed():
+    """Against the diagram itself, and at rest against a search for modes, which is another solution."""
+    still = content("modes", count=2) | {"loads": []}
+    hertz = (
+        vr.sweep(case_from_dict(still), {MODULUS: [1e6]}, workers=1, errors=0).members[0].result.frequencies
+    )
+    asked = {"c": ("critical_speed", 1), "rest": ("frequency", 1, 0), "named": ("frequency", "bend_1 1", 0.0)}
+    asked |= {"none": ("frequency", 1, 5.0), "limit": ("limit", 1)}
+    turning = content("campbell", axis=[0.0, 0.0, 1.0], speeds=[0.0, 10.0, 20.0]) | {"loads": []}
+    given = {"workers": 1, "errors": 0, "quantities": asked, "fields": True}
+    member = vr.sweep(case_from_dict(turning), {MODULUS: [1e6]}, **given).members[0]
+    found, diagram = member.quantities, member.result
+    # at rest |s| is more than |Im s| by half the square of the damping ratio
+    ratio = diagram.damping_ratios[0, 0]
+    assert found["rest"] == pytest.approx(hertz[0] * np.sqrt(1.0 - ratio**2), rel=1e-8)
+    assert found["named"] == diagram.frequencies[0, diagram.modes.index("bend_1 1")]
+    assert found["c"] == diagram.critical_speeds[0].speed
+    assert "none: nothing is computed at 5; modes are followed at 0, 10, 20" in member.message
+    assert "limit: there is none" in member.message
+    for words, why in [
+        (("frequency", 1), "2 more words are needed"),
+        (("limit", "bend_1 1"), "numbers only"),
+    ]:
+        with pytest.raises(vr.InputError, match=why):
+            vr.sweep(case_from_dict(turning), {MODULUS: [1e6]}, quantities={"f": words}, workers=1)
+
+
+def test_small_motions_of_a_steady_rotation_are_numbers_of_members():
+    """Independent: a Campbell diagram at the same speed, whose frequencies are |Im s|."""
+    spin = content("steady", spin=[0.0, 0.0, 10.0]) | {"loads": []}
+    asked = {"f": ("frequency", 1), "named": ("frequency", "bend_1 1"), "ratio": ("damping_ratio", 1)}
+    found = vr.sweep(case_from_dict(spin), {MODULUS: [1e6]}, workers=1, errors=0, quantities=asked).members[0]
+    turning = content("campbell", axis=[0.0, 0.0, 1.0], speeds=[0.0, 10.0]) | {"loads": []}
+    asked = {"f": ("frequency", 1, 10.0)}
+    other = vr.sweep(
+        case_from_dict(turning), {MODULUS: [1e6]}, workers=1, errors=0, quantities=asked
+    ).members[0]
+    first = found.quantities["f"] * np.sqrt(1.0 - found.quantities["ratio"] ** 2)
+    assert first == pytest.approx(other.quantities["f"], rel=1e-7)
+    assert found.quantities["named"] > 0.0

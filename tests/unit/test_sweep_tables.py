@@ -4,6 +4,7 @@ import gc
 import itertools
 import json
 import math
+import re
 from concurrent.futures import Executor, Future, ProcessPoolExecutor, ThreadPoolExecutor
 from functools import partial
 from importlib import import_module
@@ -26,7 +27,9 @@ from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.rows import rows_of
 from viscorod.casefile.case import case_from_dict
 from viscorod.cli.app import app
+from viscorod.results.data_schema import VARIABLES
 from viscorod.results.function_record import function_record
+from viscorod.results.quantity_values import FIELDS, unit_of
 from viscorod.results.sweep_members import FoundMembers, Rows, SweepMembers
 from viscorod.solve.transient.transient_solver import Transient
 
@@ -288,18 +291,29 @@ def test_what_is_on_disk_is_not_computed_again(swing, fields, tmp_path, monkeypa
     assert len(done) == 5  # other numbers are other members
 
 
-@pytest.mark.filterwarnings("ignore")  # those of the member are looked at
+@pytest.mark.filterwarnings("ignore")  # those of the runs alone are looked at
 def test_what_members_warn_of_is_in_the_table(swing, tmp_path):
-    """Of a member whose errors are estimated what its run alone warns of, wherever it was computed; else nothing."""
-    alone = run_case(swing).warnings
-    assert any("section forces may be off" in text for text in alone)
+    """What each member's run alone warns of, whether its errors are estimated or not, wherever it was computed."""
+    other = content("simulate", duration=0.1, time_step=0.01, output_interval=0.02)
+    other["materials"]["rubber"]["damping"]["shear_time"] = 0.03
+    alone = [run_case(swing).warnings, run_case(case_from_dict(other), errors=False).warnings]
+    assert any("section forces may be off" in text for text in alone[0])
     given = {"quantities": {"tip": TIP}, "executor": "threads:2", "errors": 1, "folder": tmp_path}
     found = vr.sweep(swing, {SHEAR: [0.02, 0.03]}, **given)
     for sweep in (found, vr.load(tmp_path)):
         table = sweep.table()
         assert table["outcome"].tolist() == ["completed", "completed"]
-        assert table["message"].tolist() == ["; ".join(f"warning: {text}" for text in alone), ""]
-        assert flat(f"member 0: warning: {alone[0]}") in flat(sweep.report())
+        told = ["; ".join(f"warning: {text}" for text in texts) for texts in alone]
+        assert table["message"].tolist() == told
+        assert flat(f"member 0: warning: {alone[0][0]}") in flat(sweep.report())
+
+
+def test_doubts_of_a_member_whose_errors_are_not_estimated_are_told(held):
+    """A force of 1000 N strains the rubber far beyond its law; one of 0.2 mN does not."""
+    found = vr.sweep(held, {FORCE: [2e-4, 1e3]}, quantities={"tip": TIP}, workers=1, errors=0)
+    first, second = found.table()["message"]
+    assert not first
+    assert "the material law is linear and meant for strains well below 1" in second
 
 
 def test_failures_are_data_on_disk_too(swing, tmp_path, monkeypatch):
@@ -587,6 +601,8 @@ def test_what_all_members_share_has_no_lines_of_its_own(held):
     sweep = vr.sweep(held, values, constants=constants, quantities={"tip": TIP}, workers=1)
     (axes,) = sweep.plot().axes
     assert axes.get_xlabel() == f"{FORCE} [µN]"
+    assert re.fullmatch(r"tip \[[µnm]?m\]", axes.get_ylabel())  # what the words of a quantity read has a unit
+    assert sweep.data["tip"].attrs["units"] == "m"
     assert axes.get_legend() is None
     (line,) = (line for line in axes.lines if len(line.get_xdata()) == 2 and line.get_marker() == "o")
     assert list(line.get_xdata()) == [1e-4, 2e-4]
@@ -700,3 +716,13 @@ def test_what_the_search_for_garbage_leaves_out_comes_back():
         assert gc.get_freeze_count() > 0
     finally:
         gc.unfreeze()
+
+
+@pytest.mark.parametrize("head", sorted(FIELDS.keys() & VARIABLES.keys()))
+def test_quantities_have_the_units_of_the_fields_that_they_read(head):
+    """Values: the units of the variables of a stored result."""
+    units = VARIABLES[head][0].split(", ")
+    parts = FIELDS[head] or ("",)
+    for k, part in enumerate(parts):
+        unit = units[k * len(units) // len(parts)]
+        assert unit_of((head, "beam.end", part, "max")) == ("" if unit == "1" else unit)

@@ -238,6 +238,33 @@ def test_wrong_keys_and_values_are_refused_before_anything_runs(case, values, wo
     assert values == given
 
 
+def test_processes_look_at_values_as_one_process_does(case, tmp_path):
+    """Values far down the table are looked at by the processes: what is refused, and of which members, is the same."""
+    heights = [0.01] * 30 + [-0.01, -0.02] + [0.01] * 120 + [-0.03]
+    values = {"sections.thin.height": heights, "rods.beam.elements": [1] * 100 + [0] + [1] * 52}
+    told = []
+    for workers in (1, 2):
+        with pytest.raises(vr.InputError) as caught:
+            vr.sweep(case, values, workers=workers, folder=tmp_path / str(workers))
+        told.append(str(caught.value))
+        assert not (tmp_path / str(workers)).exists()
+    assert told[0] == told[1]
+    assert "member 30 and 2 more" in told[0]
+    assert "member 100" in told[0]
+
+
+def test_a_member_that_is_left_over_does_not_run_in_the_process_that_asks(case, tmp_path, monkeypatch):
+    """It may be the one that killed its processes, and would take that of the user with it."""
+    given = {
+        "quantities": {"tip": ("displacement", "beam.end", "y", "last")},
+        "folder": tmp_path,
+        "errors": 0,
+    }
+    vr.sweep(case, {SHEAR: [0.01, 0.02]}, workers=1, members=slice(0, 1), **given)
+    monkeypatch.setattr("viscorod.analyses.sweep._alone", lambda *_: pytest.fail("computed here"))
+    assert vr.sweep(case, {SHEAR: [0.01, 0.02]}, workers=2, **given).count_completed == 2
+
+
 def test_wrong_number_of_workers(case):
     with pytest.raises(vr.InputError, match="workers: 0: a whole number of at least 1"):
         vr.sweep(case, {SHEAR: [0.1]}, workers=0)

@@ -11,7 +11,7 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.vibrations import complex_modes, linearise, natural_frequencies
-from viscorod.solve.statics.tangent import negative_eigenvalues
+from viscorod.solve.statics.tangent import negative_eigenvalues, with_one_sign
 
 
 def section(wide=1.0):
@@ -155,3 +155,12 @@ def test_a_rod_that_is_held_stiff_has_its_rigid_motions_alone():
     model.spring("beam.end", stiffness={"uy": 3.0})
     modes = model.modes(6, about="reference")
     assert 2 * np.pi * modes.frequencies == pytest.approx([3.0], rel=1e-5)
+
+
+@pytest.mark.parametrize("rounding", [-1e-9, 0.0, 1e-9])
+@pytest.mark.parametrize("sign", [-1.0, 1.0])
+def test_the_side_of_a_branch_is_no_matter_of_round_off(sign, rounding):
+    """A half sine of a symmetric rod turns by as much at one end as at the other: the first of both is positive."""
+    direction = np.array([[0.3, 1.0, 0.0, -1.0 - rounding, 0.9]]).T
+    assert with_one_sign(sign * direction)[:2, 0].tolist() == [0.3, 1.0]
+    assert with_one_sign(sign * np.array([[0.2, -0.5, 0.4]]).T)[:, 0].tolist() == [-0.2, 0.5, -0.4]

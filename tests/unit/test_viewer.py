@@ -393,9 +393,11 @@ def test_wrong_use_is_refused(tmp_path):
     for options in ({"frames": 1}, {"frames": 2.5}, {"frames": True}, {"megabytes": 0.5}):
         with pytest.raises(InputError, match=next(iter(options))):
             view(run, tmp_path / "no.html", **options)
-    with pytest.raises(InputError, match=r"a list has no page; give one motion, and the others as beside"):
+    with pytest.raises(
+        InputError, match=r"^result: \[.*\]: this has no page; give one motion, and the others as beside"
+    ):
         view([run, run], tmp_path / "no.html")
-    with pytest.raises(InputError, match="a sweep has no page"):
+    with pytest.raises(InputError, match=r"^result: .*: this has no page; give one of its members"):
         view(Sweep([]), tmp_path / "no.html")
     with pytest.raises(InputError, match="cannot be written"):
         view(run, tmp_path)

@@ -52,7 +52,7 @@ def rod_row(problem: Problem, name: str, rod: Rod) -> dict[str, object]:
         "mass [kg]": rod.mass if rod.has_inertia else "not given",
         "elements": elements,
         "order": part.order,
-        **{key: _direction(frame[:, k]) for k, key in enumerate(AXES_OF_RODS)},
+        **{key: _numbers(np.round(frame[:, k], 9)) for k, key in enumerate(AXES_OF_RODS)},
     }
 
 
@@ -75,7 +75,7 @@ def joint_row(joint: ResolvedJoint, given: AnyJoint) -> dict[str, object]:
         "kind": joint.kind,
         "a - b": f"{given.a} - {given.b}",
         "free or driven": ", ".join(motions) or "none",
-        "where [m]": _point(joint.at_a),
+        "where [m]": _numbers(joint.at_a),
         "gap [m]": float(np.linalg.norm(joint.gap)),
     }
 
@@ -97,12 +97,9 @@ def spring_row(spring: ResolvedSpring, given: AnySpring) -> dict[str, object]:
     }
 
 
-def _point(position: Floats) -> str:
-    return f"({', '.join(f'{value + 0.0:.4g}' for value in position)})"
-
-
-def _direction(vector: Floats) -> str:
-    return f"({', '.join(f'{value + 0.0:.3g}' for value in np.round(vector, 9))})"
+def _numbers(vector: Floats) -> tuple[float, ...]:
+    """Return the components of a vector, without negative zeros."""
+    return tuple(float(value) + 0.0 for value in vector)
 
 
 def section_rows(name: str, rod: Rod) -> list[dict[str, object]]:

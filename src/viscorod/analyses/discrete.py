@@ -81,12 +81,18 @@ def named(motions: list[FreeMotion]) -> str:
     return f"{text} and {more} more motions" if more > 0 else text
 
 
-def unheld(motions: list[FreeMotion], why: str = "") -> InputError:
-    """Return the refusal of a static solution that leaves motions free."""
+def unheld(motions: list[FreeMotion], why: str = "", *, thrust: bool = False) -> InputError:
+    """Return the refusal of a static solution that leaves motions free; ``thrust``: following loads act."""
+    rocket = (
+        ". What its own thrust accelerates rests beside its inertia: give that as a distributed force against the "
+        "thrust, and soft springs"
+        if thrust
+        else ""
+    )
     return InputError(
         f"no static equilibrium: nothing holds the model against {named(motions)}{f' ({why})' if why else ''}. "
         "Add supports, or take the reference shape (initial = 'reference' of a simulation, "
-        "about = 'reference' of modes)"
+        f"about = 'reference' of modes){rocket}"
     )
 
 
@@ -280,10 +286,13 @@ class DiscreteModel:
             found = undetermined(self.problem, self.system.external, stiffness, motions)
         loose = found
         acting = self.system.external.any() or self.supports.moving or bool(self.problem.joints.motions)
-        if searching and acting and not any(motion.translation for motion in loose):
+        # a line that is not taut yet holds nothing across it, and does once it bears a load
+        roped = any(spring.kind == "line" for spring in self.model.resolved_springs())
+        if searching and acting and (roped or not any(motion.translation for motion in loose)):
             return loose
         if loose:
-            raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)))
+            thrust = any(getattr(load, "following", False) for load in self.model.loads)
+            raise unheld(loose, "; ".join(unjoined_rods(self.model, self.problem)), thrust=thrust)
         return []
 
     def place(self, name: str) -> ResultPlace:
@@ -336,7 +345,7 @@ class DiscreteModel:
     def _energy_scale(self) -> float:
         """Elastic energy [J] at a strain of one; if all strains are held, that whose round-off loads on them make."""
         problem = self.problem
-        elastic = problem.length * max(float(s.stiffness.max()) for s in problem.sets)
+        elastic = problem.length * max(float(s.stiffness.max(initial=0.0)) for s in problem.sets)
         if elastic > 0.0:
             return elastic
         loads = self.static.loads.at(0.0)

@@ -21,7 +21,7 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.newton import Outcome
-from viscorod.solve.statics.stability import circulatory, stability_attributes, stability_of
+from viscorod.solve.statics.stability import Stability, circulatory, stability_attributes, stability_of
 from viscorod.solve.statics.stage import Stage, begin_at, begin_stage, end_stages
 
 __all__ = ["equilibrium", "equilibrium_near", "find_initial_equilibrium", "require_no_initial_strain"]
@@ -243,8 +243,8 @@ def require_no_initial_strain(discrete: DiscreteModel) -> None:
 
 def equilibrium_near(
     discrete: DiscreteModel, start: Start, *, own_factor: bool = False
-) -> tuple[State, float]:
-    """Return the equilibrium just before t = 0 that is found from an earlier result, and its load factor.
+) -> tuple[State, float, Stability]:
+    """Return the equilibrium just before t = 0 that is found from an earlier result, its load factor and stability.
 
     Args:
         discrete: the model; start: the earlier result.
@@ -261,7 +261,9 @@ def equilibrium_near(
     whole = Stage.whole(discrete.static, len(discrete.model.loads), factor)
     begin_at(discrete.static, whole, found.state, 0.0, True)
     discrete.require_held(partial(discrete.static.loads.at, 0.0, True), searching=True)
-    search = Search(discrete, origin=found.label)
+    # one that is unstable was meant: it is kept, where settling would leave it
+    stable = not found.result.stored.attrs.get("negative_eigenvalues", 0)
+    search = Search(discrete, origin=found.label, allowed=stable)
     done = search.run(found.state)
     end_stages(discrete.static)
     if not done:
@@ -269,7 +271,7 @@ def equilibrium_near(
             f"No equilibrium was found from {found.label}. {search.failure()}", coarse=search.coarse
         )
     discrete.static.restore(found.state, 0.0, before=True, scale=factor)
-    return found.state, factor
+    return found.state, factor, search.stability
 
 
 def find_initial_equilibrium(discrete: DiscreteModel, state: State, *, before: bool = True) -> Search | None:

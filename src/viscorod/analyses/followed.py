@@ -107,8 +107,12 @@ def errors_of(
     critical: Sequence[Critical] = (),
     waves: Sequence[int] = (),
 ) -> Errors:
-    """Return the errors by comparison with a finer mesh; zeros where there is none, or all was stopped before."""
-    none = Errors(np.zeros(len(samples[0].roots)), np.zeros(len(limited)), np.zeros(len(critical)), False)
+    """Return the errors by comparison with a finer mesh; zeros where there is none, or all was stopped before.
+
+    Rigid bodies alone have no mesh that could err.
+    """
+    known = not discrete.problem.rods
+    none = Errors(np.zeros(len(samples[0].roots)), np.zeros(len(limited)), np.zeros(len(critical)), known)
     if finer is None or tracker.stopped:
         return none
 

@@ -124,7 +124,7 @@ def linear_about(
             text = f"the steady rotation at {rotation.rate:.6g} rad/s, in axes that turn with it"
         else:
             require_still(start)
-            state, _ = equilibrium_near(discrete, settings.about)
+            state, _, _ = equilibrium_near(discrete, settings.about)
             text = f"the equilibrium under the loads at t = 0- near {start.label}"
     else:
         state = State.reference(problem)

@@ -17,6 +17,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.fields.definition import some_of
 from viscorod.model.rod import Rod
 from viscorod.model.rod_checks import reaching_centre
+from viscorod.model.rod_sections import doubts_of
 from viscorod.model.sections.isotropic_section import MaterialSection
 from viscorod.model.sections.section_shapes import Annulus, Circle
 from viscorod.solve.problem.problem import Problem
@@ -43,10 +44,12 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
         model: what the user said; problem: the model discretised; duration: of its motion [s], which tables of time
             should cover.
     """
+    damping = [f"rod {name}: {text}" for name, rod in model.rods.items() for text in doubts_of(rod)]
     shapes = [text for name, rod in model.rods.items() for text in _no_rod(name, rod)]
     tables = [text for where, table in _tables(model) for text in _of_table(where, table, duration)]
     return [
         *doubtful_numbers(model),
+        *damping,
         *shapes,
         *_loads(model),
         *_pushing(model),
@@ -105,15 +108,25 @@ def _coils(name: str, rod: Rod) -> Iterator[str]:
 
 
 def _warping(name: str, rod: Rod) -> Iterator[str]:
-    """Yield whether held warping would stiffen the torsion of thin open walls, which is not computed (Vlasov)."""
+    """Yield whether warping would stiffen the torsion of thin open walls, which is not computed (Vlasov).
+
+    It does where twist changes along the rod, at ends that hold it and in lateral buckling: a half wave of the rod's
+    length has a torsional stiffness larger by ``(pi d/L)^2``, d = sqrt(EIw/GJ).
+    """
     known = [section.warping_length(rod.material) or 0.0 for _, section in rod.typical_sections()]
     longest = max(known, default=0.0)
     if longest > WARPED * rod.length:
         yield (
-            f"rod {name}: an end that holds the warping of its section, as a weld does, stiffens torsion over "
-            f"{longest:.3g} m (sqrt(EIw/GJ)), and the rod is {rod.length:.3g} m long; warping is free here, so with "
-            "such ends it would twist less and buckle sideways later than computed"
+            f"rod {name}: the warping of its section, which is free here, stiffens torsion wherever the twist changes "
+            f"along the rod, over {longest:.3g} m (sqrt(EIw/GJ)), and the rod is {rod.length:.3g} m long: between "
+            f"forks it would buckle sideways by a moment up to {_share(longest, rod.length)} % larger than computed, "
+            "and with ends that hold the warping, as a weld does, twist less and buckle later still"
         )
+
+
+def _share(reach: float, length: float) -> str:
+    """Return by how many per cent warping raises the critical moment of a half wave (Timoshenko and Gere 1961, 6.3)."""
+    return f"{100.0 * (np.sqrt(1.0 + (np.pi * reach / length) ** 2) - 1.0):.2g}"
 
 
 def _too_stiff(name: str, rod: Rod) -> Iterator[str]:

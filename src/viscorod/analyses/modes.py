@@ -21,6 +21,7 @@ from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes import vibrations
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
+from viscorod.solve.statics.stability import Stability
 
 __all__ = ["modes"]
 
@@ -39,6 +40,7 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
     discrete.require_independent()
     discrete.announce_modes()
     before, scale, about = True, 1.0, "the equilibrium near an earlier state"
+    stability: Stability | None = None
     if isinstance(settings.about, Start):
         start = StartState(discrete, settings.about)
         if start.result.kind == "steady":
@@ -51,13 +53,14 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
                 )
             )
         require_still(start)
-        state, _ = equilibrium_near(discrete, settings.about)
+        state, _, stability = equilibrium_near(discrete, settings.about)
         linear = vibrations.linearise(discrete.static, state)
     else:
         state = State.reference(discrete.problem)
         before, loaded = settings.about != "released", settings.about != "reference"
         if loaded:
-            find_initial_equilibrium(discrete, state, before=before)
+            search = find_initial_equilibrium(discrete, state, before=before)
+            stability = None if search is None else search.stability
         scale, about = float(loaded), _WORDS[settings.about]
         linear = vibrations.linearise(discrete.static, state, before=before, scale=scale)
     try:
@@ -80,13 +83,28 @@ def modes(discrete: DiscreteModel, settings: ModesSettings) -> Modes:
             "loads keep (about = 'equilibrium')"
         ) from None
     discrete.static.restore(state, 0.0, before=before, scale=scale)
-    return _result(discrete, state, found, about, scale)
+    growing = [] if stability is None or not stability.unstable else [_growing(stability.unstable)]
+    return _result(discrete, state, found, about, scale, growing)
+
+
+def _growing(count: int) -> str:
+    """Return a warning that small motions grow from an equilibrium: Maxwell branches let some creep, unlisted."""
+    return (
+        f"the equilibrium is unstable: {'a small motion grows' if count == 1 else f'{count} small motions grow'} from "
+        "it, of which those that creep, as a material with relaxation lets them, are not listed; model.equilibrium() "
+        "seeks a stable one"
+    )
 
 
 def _result(
-    discrete: DiscreteModel, state: State, found: vibrations.ModesFound, about: str, scale: float
+    discrete: DiscreteModel,
+    state: State,
+    found: vibrations.ModesFound,
+    about: str,
+    scale: float,
+    told: list[str],
 ) -> Modes:
-    """Return modes with the state that they are about, whose forces the static solver holds."""
+    """Return modes with the state that they are about, whose forces the static solver holds, and what is told."""
     history = History()
     snapshot = Snapshot.of(state, discrete.system, discrete.supports)
     history.record(scale, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
@@ -102,9 +120,11 @@ def _result(
             return found.shown
 
     points = discrete.system.gauss_positions()
-    told = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
-    if told and (shown().shares[:, 5] > TWISTING).any():
-        attributes["warnings"] = json.dumps(told)
+    thin = list(thin_twist_of_modes(discrete.problem, discrete.model.rods, points, snapshot.strain))
+    if thin and (shown().shares[:, 5] > TWISTING).any():
+        told = told + thin
+    if told:
+        attributes["warnings"] = json.dumps([*json.loads(discrete.attributes.get("warnings", "[]")), *told])
     states = discrete.arrays(Modes.kind, history, attributes)
     moving = ("small_motion", "part", "station", "axis")
 

@@ -138,7 +138,7 @@ class _Computation:
         discrete, settings = self.discrete, self.settings
         state, text = initial_state(discrete, settings)
         start = MotionStart(discrete, settings, state)
-        if discrete.watch.feasible or settings.events or settings.modes or settings.dynamics == "linear":
+        if discrete.watch.affordable or settings.events or settings.modes or settings.dynamics == "linear":
             start.small_motions()
         else:
             discrete.static.restore(state, 0.0, before=True, scale=held_part(settings))

@@ -164,7 +164,7 @@ def set_off(
     discrete: DiscreteModel, settings: SimulateSettings, modes: Callable[[], StartModes], start: State
 ) -> tuple[float, float]:
     """Return frequency [Hz] and number of periods of what loads set off at the start; none if they are not known."""
-    if not discrete.watch.feasible or not moved_by_loads(discrete, settings):
+    if not discrete.watch.affordable or not moved_by_loads(discrete, settings):
         return 0.0, 0.0
     return periods_set_off(discrete.problem, modes(), start, settings.duration, held_part(settings))
 
@@ -189,7 +189,7 @@ def halved_steps(
     make: Callable[..., Integrator],
 ) -> HalvedSteps | None:
     """Return what computes some steps of a motion again, with solvers of its own; None for large models."""
-    if not discrete.watch.feasible:
+    if not discrete.watch.affordable:
         return None
     method = INTEGRATORS[settings.integrator]
     given = {name: chosen[name] for name in method.parameters}

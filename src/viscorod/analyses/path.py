@@ -74,7 +74,8 @@ def _start(discrete: DiscreteModel, settings: PathSettings) -> tuple[State, floa
             "no path to follow: no load, prescribed motion or rest strain acts at t = 0; add a load without until"
         )
     if settings.start is not None:
-        return equilibrium_near(discrete, settings.start, own_factor=True)
+        state, first, _ = equilibrium_near(discrete, settings.start, own_factor=True)
+        return state, first
     discrete.require_held(lambda: loads)
     return unloaded(discrete), 0.0
 

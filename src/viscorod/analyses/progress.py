@@ -20,6 +20,7 @@ _LINES = 5  # lines over a whole run where there is no terminal
 _PAUSE = (
     5.0  # seconds from the first step, or the last line, to the next one there: short runs leave a log alone
 )
+_LONGEST = 600.0  # seconds without a line, of things that are counted
 
 
 @contextmanager
@@ -61,28 +62,31 @@ def counting(total: int, noun: str, *, shown: bool = True) -> Iterator[Callable[
         columns = (
             TextColumn("{task.fields[whole]} of {task.total:g} " + noun),
             BarColumn(bar_width=None),
+            TextColumn("{task.fields[rate]}"),
             TimeRemainingColumn(),
             TextColumn("left"),
         )
+        pace = _Rate()
         with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
-            task = bar.add_task("", total=total, whole=0)
-            yield lambda done: bar.update(task, completed=done, whole=_whole(done))
+            task = bar.add_task("", total=total, whole=0, rate="")
+
+            def show(done: float) -> None:
+                rate = pace.at(done, time.monotonic())
+                bar.update(task, completed=done, whole=_whole(done), rate=f"{rate:.3g} per s" if rate else "")
+
+            yield show
         return
-    told, last, waiting = 0, 0.0, ""
-    first: tuple[float, float] | None = None  # when, and what was done before
+    told, last, waiting, pace = 0, 0.0, "", _Rate()
 
     def update(done: float) -> None:
-        nonlocal told, first, last, waiting
+        nonlocal told, last, waiting
         now = time.monotonic()
-        if first is None:
-            first, last = (now, done), now
+        last, rate = last or now, pace.at(done, now)
         part = int(_LINES * done / total * (1.0 + 1e-9))
-        if part <= told:
+        if part <= told and now - last < _LONGEST:
             return
         told, waiting = part, f"{_whole(done)} of {total} {noun}"
-        began, start = first
-        if done > start and now > began:
-            rate = (done - start) / (now - began)
+        if rate:
             waiting += f", {rate:.3g} per s, {max(total - done, 0.0) / rate:.0f} s left"
         if now - last >= _PAUSE:
             last = now
@@ -96,6 +100,18 @@ def counting(total: int, noun: str, *, shown: bool = True) -> Iterator[Callable[
 
     yield update
     tell()  # the last line, unless it was told
+
+
+class _Rate:
+    """How many things are done in a second, of those that were not done before."""
+
+    def __init__(self) -> None:
+        self._first: tuple[float, float] | None = None
+
+    def at(self, done: float, now: float) -> float:
+        """Return it, by how many are done now [s]; 0 where nothing tells."""
+        began, before = self._first = self._first or (now, done)
+        return (done - before) / (now - began) if done > before and now > began else 0.0
 
 
 def _nothing(*_: float) -> None:

@@ -60,6 +60,8 @@ def shape_warnings(name: str, rod: Rod) -> list[str]:
 
 def known_validity(model: ModelDescription, frequencies: Floats) -> Validity:
     """Return the conditions of a rod model that are known before a solution, with the names that results give them."""
+    if not model.rods:
+        return Validity(())
     known = {name: shape for name, rod in model.rods.items() if (shape := _shape(rod)) is not None}
     names = ("|J0 - 1|: half width x curvature", "half width x reference twist")
     conditions = []

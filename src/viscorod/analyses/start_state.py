@@ -152,8 +152,8 @@ class StartState:
                     if name in data
                 }
             ]
-        found = [self._fields([sites.along(rod, float(s)) for rod, s in zip(rods, stations.s, strict=True)])]
-        return [*found, self._fields([sites.at(name) for name in bodies])] if bodies else found
+        places = [sites.along(rod, float(s)) for rod, s in zip(rods, stations.s, strict=True)]
+        return [self._fields(some) for some in (places, [sites.at(name) for name in bodies]) if some]
 
     def _stored(self) -> int | None:
         """Return the number of the stored state that this is, None if it is one between."""

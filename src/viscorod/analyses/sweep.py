@@ -13,13 +13,13 @@ from typing import Any, TypeAlias
 import numpy as np
 
 from viscorod.analyses.progress import counting
-from viscorod.analyses.sweeps.before_computing import checked, require_sendable, units_of
+from viscorod.analyses.sweeps.before_computing import FEW, checked, require_right, require_sendable, units_of
 from viscorod.analyses.sweeps.executors import opened, processes_of, through
 from viscorod.analyses.sweeps.little_garbage import little_garbage
 from viscorod.analyses.sweeps.member_names import member_names
 from viscorod.analyses.sweeps.member_work import Job, MemberWork
 from viscorod.analyses.sweeps.process_start import prepare
-from viscorod.analyses.sweeps.processes import UNTOUCHED, in_parallel
+from viscorod.analyses.sweeps.processes import UNTOUCHED, hired
 from viscorod.analyses.sweeps.rows import Columns, Values, rows_of
 from viscorod.analyses.sweeps.stopping import stopping
 from viscorod.argument_names import telling
@@ -108,8 +108,7 @@ def sweep(
         require_callback("progress", progress, 0.0)
     rows = rows_of(values, grid, constants)
     count = processes_of(executor, workers)
-    in_processes = count is not None and min(count, len(rows)) > 1
-    if in_processes:
+    if count is not None and min(count, len(rows)) > 1:
         prepare()
     wanted = quantities_of(quantities or {}, case.kind, rows[0])
     keep = not wanted if fields is None else bool(fields)
@@ -129,13 +128,18 @@ def sweep(
         del found[k]
     due = [k for k in chosen if k not in found]
     # what is there already was looked at before
-    some = dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])])
-    notes, read = checked(case, {k: rows[k] for k in some}, wanted, keep)
-    rows.units = units_of(case, rows)
-    if errors is None and len(looked) < len(rows):
-        notes.append(f"errors are estimated for {len(looked)} of {len(rows)} members (errors)")
+    some = list(dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])]))
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
-    jobs = _Jobs(rows, names, looked, read if _in_this_process(executor, count, len(due)) else {})
+    # members that are left over, or tried again, may be those that kill their process
+    here = _in_this_process(executor, count, len(rows) if retry else len(chosen))
+    alone = count is None or here or not due
+    said, read = checked(work, {k: rows[k] for k in (some if alone else some[:FEW])})
+    if said.problems and not alone:  # all that is wrong is told at once, and no process starts for it
+        said, read = checked(work, {k: rows[k] for k in some})
+    require_right(case, said, rows, some)
+    rows.units = units_of(case, rows) | {one.name: one.unit for one in wanted if one.unit}
+    few = [f"errors are estimated for {len(looked)} of {len(rows)} members (errors)"]
+    jobs = _Jobs(rows, names, looked, read if here else {})
     del read
 
     def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
@@ -155,11 +159,12 @@ def sweep(
 
     def begin() -> None:
         """Say what is computed, when nothing can be refused any more."""
+        notes.extend([*said.notes, *(few if errors is None and len(looked) < len(rows) else [])])
         if store is not None:
             store.begin(case.title, rows, names, notes, numbers)
         told(0.0)
 
-    broken = ""
+    broken, notes = "", list[str]()
     showing = counting(len(chosen), "members") if progress is True else nullcontext(progress or None)
     with stopping() as stop, little_garbage(), showing as shown:
         found.stop = stop
@@ -169,13 +174,16 @@ def sweep(
             with opened(executor) as engine:
                 begin()
                 broken = through(engine, work, jobs, due, found, stop, told, recover, died)
-        elif _in_this_process(executor, count, len(due)):
+        elif here:
             begin()
             _alone(work, jobs, due, found, stop, told)
         else:
             require_sendable(work)
-            begin()
-            in_parallel(work, jobs, due, found, min(count, len(due)), stop, told, died)
+            with hired(work, len(rows), min(count, len(due))) as crew:
+                said.add(crew.look({k: rows[k] for k in some[FEW:]}, stop))
+                require_right(case, said, rows, some)
+                begin()
+                crew.work(jobs, due, found, stop, told, died)
         stopped = stop.is_set()
     result = Sweep(SweepMembers(rows, found), case.title, notes)
     found.stop = None  # it is over, and a sweep can be copied
@@ -222,11 +230,11 @@ class _Members(FoundMembers):
             self.stop.set()
 
 
-def _in_this_process(executor: Any, count: int | None, due: int) -> bool:
+def _in_this_process(executor: Any, count: int | None, members: int) -> bool:
     """Return whether this process computes the members, alone or with threads, of a ``count`` of processes."""
     if count is None:
         return isinstance(executor, ThreadPoolExecutor) or str(executor).startswith("threads")
-    return min(count, due) == 1 and (executor is None or count == 1)
+    return min(count, members) == 1 and (executor is None or count == 1)
 
 
 class _Jobs(Sequence[Job]):

@@ -86,8 +86,10 @@ class CaseReader:
         known = {name: part for name, part in self._materials.items() if isinstance(part, Material)}
         self.model.materials.update(known)
         self.model.sections.update({k: s for k, s in self._sections.items() if isinstance(s, AnySection)})
-        if "rods" not in (*self.data, *self._meant):
-            self._wrong("rods", "", "a case needs at least one rod", "add a table [rods.NAME]")
+        if not {"rods", "bodies"} & {*self.data, *self._meant}:
+            self._wrong(
+                "rods", "", "a case needs a rod or a body", "add a table [rods.NAME] or [bodies.NAME]"
+            )
         for name, table in self._tables("rods"):
             self._rod(name, table)
         for name, table in self._tables("bodies"):

@@ -173,7 +173,7 @@ def _forms(kinds: tuple[tuple[str, type[Definition]], ...], methods: tuple[objec
         "description": 'SI units; a number with a unit may also be a text such as "10 mm".',
         "type": "object",
         "properties": properties,
-        "required": ["rods"],
+        "anyOf": [{"required": ["rods"]}, {"required": ["bodies"]}],
         "oneOf": [{"required": [key]} for key in ANALYSES],
         "additionalProperties": False,
         "definitions": definitions,

@@ -22,6 +22,10 @@ class KnownParts:
         self._made: dict[tuple[str, Callable[[Any], Any]], tuple[Any, Any]] = {}
         self._judged: tuple[Any, bool] = (None, False)
 
+    def __reduce__(self) -> tuple[type[KnownParts], tuple[()]]:
+        """Another process reads parts of its own: to send them takes as long."""
+        return KnownParts, ()
+
     def find(self, path: str, parse: Callable[[Any], Any], content: Any) -> Any:
         """Return what ``parse`` made of the same content at a place; None if it was not the same, or nothing."""
         content_before, part = self._made.get((path, parse), (None, None))

@@ -10,7 +10,7 @@ import typer
 
 from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, picture_at, writable
-from viscorod.cli.key_values import SetValues, drawn, named, part_of, value_of
+from viscorod.cli.key_values import SetValues, drawn, each_once, named, part_of, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.sweep_command import (
     Errors,
@@ -66,7 +66,7 @@ def ensemble(
 
         loaded = load_case(existing(case))
         folder = writable(output or Path("out") / case.stem)
-        distributions = dict(map(drawn, draw))
+        distributions = each_once(map(drawn, draw), "--draw")
         part = part_of(members)
         count = points * (len(distributions) + 2 if indices else 1)
         failed = False
@@ -77,10 +77,10 @@ def ensemble(
                         loaded,
                         distributions,
                         points,
-                        quantities=dict(map(named, quantity or [])),
+                        quantities=each_once(map(named, quantity or []), "--quantity"),
                         seed=seed,
                         indices=indices,
-                        constants=dict(map(value_of, values or [])) or None,
+                        constants=each_once(map(value_of, values or []), "--set") or None,
                         executor=executor_of(executor, scheduler),
                         workers=workers,
                         folder=folder / "ensemble",

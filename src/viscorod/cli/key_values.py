@@ -4,14 +4,15 @@ from __future__ import annotations
 
 import re
 import tomllib
+from collections.abc import Iterable
 from contextlib import suppress
-from typing import Annotated, Any
+from typing import Annotated, Any, TypeVar
 
 import typer
 
 from viscorod.errors import InputError
 
-__all__ = ["SetValues", "column_of", "drawn", "grid_of", "named", "part_of", "value_of"]
+__all__ = ["SetValues", "column_of", "drawn", "each_once", "grid_of", "named", "part_of", "value_of"]
 
 _RANGE = re.compile(r"\s*([^:,]+?)\s*:\s*([^:,]+?)\s*:\s*(\d+)\s*")
 _NUMBER = r"((?>[-+]?(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?))"
@@ -27,6 +28,24 @@ SetValues = Annotated[
         show_default=False,
     ),
 ]
+
+
+T = TypeVar("T")
+
+
+def each_once(pairs: Iterable[tuple[str, T]], flag: str) -> dict[str, T]:
+    """Return what is given by key or name.
+
+    Raises:
+        InputError: one is given twice, of which only the last would count.
+    """
+    found: dict[str, T] = {}
+    for key, given in pairs:
+        if key in found:
+            several = ", or give all its values at once: KEY=1,2" if flag in ("--set", "--grid") else ""
+            raise InputError(f"{flag} {key}: it is given twice; leave one of them out{several}")
+        found[key] = given
+    return found
 
 
 def column_of(text: str, flag: str = "--set") -> tuple[str, list[Any]]:
@@ -46,6 +65,11 @@ def column_of(text: str, flag: str = "--set") -> tuple[str, list[Any]]:
         raise InputError(
             f"{flag} {text}: give a key and {a_range}values as in a case file, separated by commas, such as "
             'rods.beam.elements=1,2,4 or rods.beam.section="thin","thick"'
+        )
+    if flag == "--grid" and len(column) == 1 and isinstance(column[0], list):
+        raise InputError(
+            f"{flag} {text}: this is one value, a list; leave out the brackets around several values, or give several "
+            "lists: [0, 1, 0],[0, 0, 1]"
         )
     return key.strip(), column
 

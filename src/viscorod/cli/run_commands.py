@@ -13,7 +13,7 @@ import typer
 
 from viscorod.cli.command_kind import quiet
 from viscorod.cli.files import existing, picture_at, writable
-from viscorod.cli.key_values import SetValues, value_of
+from viscorod.cli.key_values import SetValues, each_once, value_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.polite_stop import polite_stop
 from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
@@ -43,7 +43,7 @@ def run(
         from viscorod.casefile.set_values import with_values
         from viscorod.results.files.folder_lock import require_free
 
-        loaded = with_values(load_case(existing(case)), dict(map(value_of, values or [])))
+        loaded = with_values(load_case(existing(case)), each_once(map(value_of, values or []), "--set"))
         folder = writable(output or Path("out") / case.stem)
         require_free(folder, stopped=anew)
         discrete = discretised_case(loaded)

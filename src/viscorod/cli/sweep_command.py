@@ -13,7 +13,7 @@ import typer
 from viscorod.cli.command_kind import quiet
 from viscorod.cli.completion import words
 from viscorod.cli.files import existing, writable
-from viscorod.cli.key_values import column_of, grid_of, named, part_of
+from viscorod.cli.key_values import column_of, each_once, grid_of, named, part_of
 from viscorod.cli.options import CaseFile, ResultFolder
 from viscorod.cli.terminal import complain, readable_errors, replacing_note, told
 from viscorod.errors import InputError, SolveError
@@ -139,8 +139,8 @@ def sweep(
         from viscorod.results.sweep_members import NOT_KEPT
 
         loaded = load_case(existing(case))
-        columns = dict(map(column_of, values or []))
-        crossed = dict(map(grid_of, grid or []))
+        columns = each_once(map(column_of, values or []), "--set")
+        crossed = each_once(map(grid_of, grid or []), "--grid")
         folder = writable(output or Path("out") / case.stem)
         several = bool(crossed or table) or max(map(len, columns.values()), default=0) > 1
         constants = {key: column[0] for key, column in columns.items() if several and len(column) == 1}
@@ -156,7 +156,7 @@ def sweep(
         }
         count = len(rows_of(**given))
         part = part_of(members)
-        asked = dict(map(named, quantity or []))
+        asked = each_once(map(named, quantity or []), "--quantity")
         array_job = part is not None  # several of them share the folder
         failed, engine = False, (executor_of(executor, scheduler), workers)
         with nullcontext() if array_job else locked(folder):

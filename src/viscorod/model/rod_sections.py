@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,9 +15,10 @@ from viscorod.model.sections.section_stations import Stations
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
+    from viscorod.model.materials.material import Material
     from viscorod.model.rod import Rod
 
-__all__ = ["assumptions_of", "kinks_of", "mass_of"]
+__all__ = ["assumptions_of", "doubts_of", "kinks_of", "mass_of"]
 
 END = 1e-9
 """How far from the end of a rod, as a part of its length, what is there counts as the end."""
@@ -72,10 +74,7 @@ def _section_values(rod: Rod, s: float) -> Floats:
 
 def assumptions_of(rod: Rod) -> list[str]:
     """Return what is assumed of sections and material of a rod, one sentence each."""
-    materials = [] if rod.material is None else [rod.material]
-    for s in (0.0, *rod.section_breaks):
-        materials += rod.section_at(s).materials
-    found = list(dict.fromkeys(text for material in materials for text in material.assumptions))
+    found = list(dict.fromkeys(text for material in _materials(rod) for text in material.assumptions))
     if rod.law is not None:
         found.append(
             f"its sections have the law {type(rod.law).__name__}, which times and moduli of the damping leave out"
@@ -87,3 +86,15 @@ def assumptions_of(rod: Rod) -> list[str]:
             f"{GYRATION:g} of its length"
         )
     return found
+
+
+def doubts_of(rod: Rod) -> list[str]:
+    """Return how the damping of a rod differs from the data that it stands for, if by much."""
+    return list(dict.fromkeys(text for material in _materials(rod) for text in material.doubts))
+
+
+def _materials(rod: Rod) -> Iterator[Material]:
+    if rod.material is not None:
+        yield rod.material
+    for s in (0.0, *rod.section_breaks):
+        yield from rod.section_at(s).materials

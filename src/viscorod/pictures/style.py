@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from textwrap import wrap
 from typing import TYPE_CHECKING
@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from matplotlib.cm import ScalarMappable
     from matplotlib.colors import LinearSegmentedColormap
     from matplotlib.figure import Figure, SubFigure
+    from matplotlib.ticker import Formatter
 
     from viscorod.results.result import Result
     from viscorod.typing import Floats
@@ -145,6 +146,11 @@ def write(picture: Figure, path: str | Path) -> Path:
     with replacing(path) as new:
         picture.savefig(new)
     return path
+
+
+def with_unit_of(name: str, units: Mapping[str, str]) -> str:
+    """Return the label of an axis: a name with its unit, unless the user gave it one."""
+    return f"{name} [{units[name]}]" if name in units and " [" not in name else name
 
 
 def clean(axes: Axes, xlabel: str, ylabel: str) -> None:
@@ -291,7 +297,7 @@ def with_prefixes(picture: Figure) -> None:
                 continue
             factor, name = scaled(unit[:-1], axis.get_view_interval())
             if factor != 1.0:
-                axis.set_major_formatter(_times(factor))
+                axis.set_major_formatter(_prefixed(factor))
                 axis.set_label_text(f"{words} [{name}]")
 
 
@@ -319,11 +325,26 @@ def _plain_decades(axis: Axis, words: str | None, unit: str) -> None:
 def _times(factor: float) -> Callable[[float, object], str]:
     """Return what writes the number of a tick in another unit."""
 
-    def shown(value: float, place: object) -> str:
+    def shown(value: float, place: object = None) -> str:
         del place
         return f"{factor * value:g}".replace("-", MINUS)
 
     return shown
+
+
+def _prefixed(factor: float) -> Formatter:
+    """Return what writes the numbers of ticks in another unit, all with the same number of decimals."""
+    from matplotlib.ticker import FuncFormatter
+
+    class Prefixed(FuncFormatter):
+        def format_ticks(self, values: Sequence[float]) -> list[str]:
+            texts = [self(value) for value in values]
+            if any("e" in text for text in texts):
+                return texts
+            decimals = max((len(text.partition(".")[2]) for text in texts), default=0)
+            return [f"{float(text.replace(MINUS, '-')):.{decimals}f}".replace("-", MINUS) for text in texts]
+
+    return Prefixed(_times(factor))
 
 
 def heading(axes: Axes, text: str) -> None:

@@ -21,6 +21,7 @@ from viscorod.records.motion_record import Record
 from viscorod.records.read_off import QUANTITIES, Direction
 from viscorod.results.decay_result import Decay
 from viscorod.typing import Floats
+from viscorod.wording import show
 
 __all__ = ["decay", "fitted_decay"]
 
@@ -98,9 +99,9 @@ def _record_of(source: Any, values: Any, place: str | None, direction: Direction
         raise InputError(
             Fault(
                 "source",
-                type(source).__name__,
+                show(source),
                 "no decay can be read from it",
-                "give a Record, a Run, or times and values",
+                "give a Record (Record.read of a file), a Run, or times and values",
             )
         )
     times = increasing("times", source)

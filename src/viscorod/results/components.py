@@ -73,6 +73,8 @@ def chosen_component(result: Result, quantity: str, component: str | None) -> Co
     known = [name for name in ("strain", "section_force", "dissipation") if name in result.data]
     if quantity not in known:
         raise InputError(f"quantity = {quantity!r} is not stored; it can be {', '.join(known) or 'none'}")
+    if not result.data.sizes["point"]:
+        raise InputError(f"quantity = {quantity!r}: rods have it, and this model has rigid bodies alone")
     if quantity == "dissipation":
         if component is not None:
             raise InputError(f"component = {component!r}: dissipation has no components; leave it out")

@@ -252,7 +252,7 @@ def _coordinates(problem: Problem, gauss: GaussPositions, reader: StationReader)
         "station_rod": ("station", rods),
         "station_s": ("station", s),
         "station_order": ("station", order),
-        "point_rod": ("point", np.array(problem.rods)[gauss.rod]),
+        "point_rod": ("point", np.array(problem.rods, dtype=str)[gauss.rod]),
         "point_s": ("point", gauss.s),
         "point_weight": ("point", gauss.length),
     }

@@ -83,7 +83,7 @@ class Derivative(Generic[R]):
         if not np.isfinite(total).all():
             raise InputError(
                 f"this has no derivative by {self.key}: it is not finite, or follows from what has none (shapes of "
-                "modes and their shares)"
+                f"modes and their shares){''.join('; ' + note for note in self.notes)}"
             )
         return total if np.ndim(total) else total.item() if hasattr(total, "item") else total
 

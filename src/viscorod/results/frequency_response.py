@@ -144,7 +144,14 @@ class FrequencyResponse(StatelessResult):
         return found
 
     def unit(self, output: str | int = 0, source: str | int = 0) -> str:
-        """Return the unit of a response: "m/N", "1" of a transmissibility."""
+        """Return the unit of a response: "m/N", "1" of a transmissibility.
+
+        Args:
+            output, source: names or numbers of an output and an input.
+
+        Raises:
+            InputError: there is no such output or input.
+        """
         k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
         over, under = (
             str(self.data[name].values[at]) for name, at in (("output_unit", k), ("input_unit", j))
@@ -158,7 +165,14 @@ class FrequencyResponse(StatelessResult):
 
     @checked
     def amplification(self, output: str | int = 0, source: str | int = 0) -> Floats:
-        """Return the size of a response ``(frequencies,)``."""
+        """Return the size of a response ``(frequencies,)``, in its :meth:`unit`.
+
+        Args:
+            output, source: names or numbers of an output and an input.
+
+        Raises:
+            InputError: there is no such output or input.
+        """
         return np.asarray(np.abs(self.response(output, source)))
 
     @checked
@@ -166,12 +180,25 @@ class FrequencyResponse(StatelessResult):
         """Return the top of the size of a response: number of the frequency next to it, frequency [Hz], size.
 
         It lies between the computed frequencies, as the poles and residues of the model tell the course between them.
+
+        Args:
+            output, source: names or numbers of an output and an input.
+
+        Raises:
+            InputError: there is no such output or input.
         """
         k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
         return summit_of_response(self.frequencies, self.values[:, k, j], self.poles, self.residues[:, k, j])
 
     def resonances(self, output: str | int = 0, source: str | int = 0) -> list[Resonance]:
-        """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles."""
+        """Return the peaks of a response, with the damping ratios that are read off them beside those of the poles.
+
+        Args:
+            output, source: names or numbers of an output and an input.
+
+        Raises:
+            InputError: there is no such output or input.
+        """
         k, j = self._number("output", output, self.outputs), self._number("source", source, self.inputs)
         return resonances_of(
             self.frequencies,

@@ -152,7 +152,9 @@ class Modes(Result):
         """Return a report: a table of the modes, how sure they are, warnings."""
         errors = self.frequency_errors
         ratios = [
-            "overdamped" if k >= self.rigid and abs(s.imag) <= 1e-9 * abs(s) else number(ratio, 5, size=1.0)
+            ("grows" if s.real > 0.0 else "overdamped")
+            if k >= self.rigid and abs(s.imag) <= 1e-9 * abs(s)
+            else number(ratio, 5, size=1.0)
             for k, (s, ratio) in enumerate(zip(self.eigenvalues, self.damping_ratios.tolist(), strict=True))
         ]
         modes = tabulated(

@@ -15,7 +15,7 @@ from viscorod.errors import Fault, InputError, let_interrupts_through
 from viscorod.results.any_result import result_class
 from viscorod.results.data_schema import VARIABLES
 from viscorod.results.function_record import function_record
-from viscorod.results.quantity_values import FIELDS, HISTORY, OTHERS, Number, Word, field_value
+from viscorod.results.quantity_values import FIELDS, HISTORY, OTHERS, Number, Word, field_value, unit_of
 from viscorod.results.quantity_words import checked_words
 from viscorod.results.sweep_figures import FIGURES
 
@@ -49,6 +49,11 @@ class Quantity:
         """The place that it is read at; empty if there is none."""
         head = self.words[0] if self.words else ""
         return str(self.words[1]) if head == "decrement" or head in FIELDS else ""
+
+    @property
+    def unit(self) -> str:
+        """SI unit; empty where it has none, or is not known, as of functions."""
+        return unit_of(self.words)
 
     @property
     def is_history(self) -> bool:

@@ -15,6 +15,7 @@ from viscorod.results.data_schema import AXES, LABELS
 if TYPE_CHECKING:
     from viscorod.results.any_result import AnyResult
     from viscorod.results.between_records import Instants
+    from viscorod.results.followed_modes import FollowedModes
     from viscorod.results.result import Result
     from viscorod.typing import Floats
 
@@ -28,6 +29,7 @@ __all__ = [
     "Number",
     "Word",
     "field_value",
+    "unit_of",
 ]
 
 Number: TypeAlias = float | list[float]
@@ -52,6 +54,28 @@ FIELDS: dict[str, tuple[str, ...]] = {
     "reaction": tuple(LABELS["motion"]),
 }
 """What can be read at a place -> its components; vectors of three have a size too."""
+_UNITS = {
+    "position": "m",
+    "displacement": "m",
+    "velocity": "m/s",
+    "angular_velocity": "rad/s",
+    "dissipation": "W/m",
+    "energy": "J",
+    "frequency": "Hz",
+    "peak_frequency": "Hz",
+}
+"""SI units by first word, of what has one whatever the other words are."""
+_OF_COMPONENTS = {"strain": ("1", "1/m"), "section_force": ("N", "N m"), "reaction": ("N", "N m")}
+"""SI units of the first three and of the last three components."""
+
+
+def unit_of(words: tuple[Word, ...]) -> str:
+    """Return the SI unit of what words read; empty where it has none or the words do not say it."""
+    head = str(words[0]) if words else ""
+    if head not in _OF_COMPONENTS:
+        return _UNITS.get(head, "")
+    unit = _OF_COMPONENTS[head][FIELDS[head].index(str(words[2])) // 3]
+    return "" if unit == "1" else unit
 
 
 def _mean(t: Floats, x: Floats) -> float:
@@ -139,29 +163,63 @@ def _decay(result: Any, words: Sequence[Word]) -> float:
     return float(values[cycle - 1])
 
 
+_LISTED: dict[str, Callable[[Any], Any]] = {
+    "load_factor": lambda result: result.load_factors,
+    "critical_speed": lambda result: [one.speed for one in result.critical_speeds],
+    "limit": lambda result: [one.at for one in result.limits if one.unstable],
+}
+"""What has numbers, and no names."""
+_FOLLOWED = {"frequency": "frequencies", "damping_ratio": "damping_ratios"}
+"""What modes have at every value of the parameter that they are followed along."""
+
+
+def _row_of(result: FollowedModes, at: float) -> int:
+    """Return which of the values of the parameter is meant."""
+    known = result.values
+    near = int(np.argmin(np.abs(known - at)))
+    if not math.isclose(known[near], at, rel_tol=1e-9, abs_tol=1e-9 * float(np.abs(known).max())):
+        told = f"{', '.join(f'{value:g}' for value in known[:8])}{', ...' if len(known) > 8 else ''}"
+        raise InputError(f"nothing is computed at {at:g}; modes are followed at {told}")
+    return near
+
+
 def _numbered(what: str) -> Callable[[Any, Sequence[Word]], float]:
     """Return what reads a number of a mode, a pole or a critical load, by its number or name."""
 
     def read(result: Any, words: Sequence[Word]) -> float:
         word = words[0]
-        if what == "load_factor":
-            values, names = result.load_factors, []
+        if what in _LISTED:
+            values = _LISTED[what](result)
+        elif len(words) > 1:
+            values = getattr(result, _FOLLOWED[what])[_row_of(result, float(words[1]))]
         elif hasattr(result, "poles"):
             s = result.poles
-            names = [str(name) for name in result.data["pole_name"].values]
             values = np.abs(s) / (2.0 * np.pi) if what == "frequency" else -s.real / np.abs(s)
         else:
             values = result.frequencies if what == "frequency" else result.damping_ratios
-            names = list(result.names)
         if isinstance(word, str):
+            names = _names(result)
             if word not in names:
                 raise InputError(f"there is no {word!r}; there are {', '.join(names) or 'numbers only'}")
             return float(values[names.index(word)])
         if word > len(values):
-            raise InputError(f"there are {len(values)}; there is no number {word:g}")
+            there = (
+                f"there are {len(values)}; there is no number {word:g}" if len(values) else "there is none"
+            )
+            raise InputError(there)
         return float(values[int(word) - 1])
 
     return read
+
+
+def _names(result: Any) -> list[str]:
+    """Return the names of modes or poles, which follow from shapes: a sixth of a small search for modes."""
+    if hasattr(result, "poles"):
+        return [str(name) for name in result.data["pole_name"].values]
+    if hasattr(result, "names"):
+        return list(result.names)
+    modes = result.modes  # of a steady rotation, or names of those that are followed
+    return list(getattr(modes, "names", modes))
 
 
 def _peak(what: str) -> Callable[[Any, Sequence[Word]], float]:
@@ -187,6 +245,8 @@ OTHERS: dict[str, Callable[[Any, Sequence[Word]], float]] = {
     "frequency": _numbered("frequency"),
     "damping_ratio": _numbered("damping_ratio"),
     "load_factor": _numbered("load_factor"),
+    "critical_speed": _numbered("critical_speed"),
+    "limit": _numbered("limit"),
     "peak": _peak("peak"),
     "peak_frequency": _peak("peak_frequency"),
 }

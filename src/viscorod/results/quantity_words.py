@@ -16,10 +16,14 @@ from viscorod.results.quantity_values import FIELDS, HISTORY, OTHERS, REDUCTIONS
 __all__ = ["checked_words"]
 
 _DECAY = ("damping_ratio", "period", "log_decrement", "amplitude")
+_FOLLOWED = ("campbell", "stability")
+_WITH_MODES = ("modes", "response", "steady", *_FOLLOWED)
 _NUMBERED = {
-    "frequency": ("modes", "response"),
-    "damping_ratio": ("modes", "response"),
+    "frequency": _WITH_MODES,
+    "damping_ratio": _WITH_MODES,
     "load_factor": ("buckling",),
+    "critical_speed": ("campbell",),
+    "limit": _FOLLOWED,
 }
 _STATES = ("simulate", "equilibrium", "path", "steady", "modes", "buckling")
 _OVER_TIME = ("mean", "rms", HISTORY)
@@ -51,17 +55,31 @@ def checked_words(spec: Any, kind: str) -> tuple[Word, ...]:
         _one_of(rest[0], terms, "term of the energy account")
         _one_of(rest[1], tuple(REDUCTIONS), "way to make a number of a history")
     elif head in _NUMBERED:
-        _count(
-            rest,
-            1,
-            1,
-            f'("{head}", 1), or ("{head}", "bend_1 1"), whose name stands in quotes on a command line',
-        )
+        _checked_number(str(head), rest, kind)
         if isinstance(rest[0], float) and (rest[0] < 1.0 or rest[0] % 1.0):
             raise InputError(Fault("", f"{rest[0]:g}", "numbers count from 1", "give 1 for the first"))
     else:
         _count(rest, 0, 2, f'("{head}", "beam.end uz", "beam.end fz"), output and input')
     return words
+
+
+def _checked_number(head: str, rest: list[Word], kind: str) -> None:
+    """Refuse what is no number or name of a mode, with a speed or load factor where modes are followed along it."""
+    named = head in ("frequency", "damping_ratio")
+    if named and kind in _FOLLOWED:
+        _count(
+            rest,
+            2,
+            2,
+            f'("{head}", 1, 10.0): the mode, and a speed in rad/s or a load factor that is computed',
+        )
+        if not isinstance(rest[1], float):
+            raise InputError(Fault("", rest[1], "a speed or load factor is needed here", "give a number"))
+        return
+    or_name = f', or ("{head}", "bend_1 1"), whose name stands in quotes on a command line'
+    _count(rest, 1, 1, f'("{head}", 1)' + (or_name if named else ""))
+    if not named and not isinstance(rest[0], float):
+        raise InputError(Fault("", rest[0], "they have numbers only", "give 1 for the first"))
 
 
 def _words(spec: Any) -> tuple[Word, ...]:

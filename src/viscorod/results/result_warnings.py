@@ -166,7 +166,7 @@ def _frequency_warnings(data: Stored) -> list[str]:
 def _strain_warnings(result: Result) -> list[str]:
     """Return one warning each for crushed sections, for shear or stretch, and for bending or twist that are large."""
     data = result.stored
-    if "strain" not in data or not data.sizes.get("point", 0):
+    if "strain" not in data or not data["strain"].sizes.get("point", 0):
         return []
     low, high = extremes(result, "strain")
     strain = np.maximum(np.abs(low), np.abs(high))

@@ -39,4 +39,6 @@ def _column(key: str, values: Sequence[object], prefixes: bool) -> Column:
 
 def cell(value: object) -> str:
     """Return a value as text for a table."""
+    if isinstance(value, tuple):  # a place or a direction
+        return f"({', '.join(f'{part + 0.0:.4g}' for part in value)})"
     return f"{value:.6g}" if isinstance(value, float) else str(value)

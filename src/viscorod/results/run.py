@@ -111,6 +111,12 @@ class Run(RunPictures):
 
         Maxima whose periods agree within 30 % and that do not grow are one; the report and the picture show
         cycles only there. Where the motion starts far below its position of rest, minima count.
+
+        Args:
+            place: name of a place, or number of a station; axis: global axis "x", "y" or "z" of the displacement.
+
+        Raises:
+            InputError: no such place or axis.
         """
         swing = self._swing(place, axis)
         try:
@@ -121,6 +127,9 @@ class Run(RunPictures):
 
     def decay(self, place: str | int, axis: str) -> Decrement:
         """Return the decrement about the position of rest, by minima where the motion starts far below it.
+
+        Args:
+            place: name of a place, or number of a station; axis: global axis "x", "y" or "z" of the displacement.
 
         Raises:
             InputError: no such place or axis, or fewer than two maxima.

@@ -110,14 +110,14 @@ class Rows(Sequence[dict[str, Any]]):
 
     Attributes:
         columns: key -> its values, one per member.
-        units: key -> SI unit of its numbers, of those that have one and for which it is known.
+        units: key, or name of a quantity -> SI unit of its numbers, of those that have one and for which it is known.
     """
 
     def __init__(
         self, columns: Mapping[str, Sequence[Any]], count: int, units: Mapping[str, str] | None = None
     ) -> None:
         self.columns = {key: list(column) for key, column in columns.items()}
-        self.units = {key: unit for key, unit in (units or {}).items() if key in self.columns}
+        self.units = dict(units or {})
         self._count = count
 
     def __len__(self) -> int:

@@ -192,13 +192,15 @@ class Sweep(WellNamed, Shown, Alike):
                 dtype = np.int64 if name == "steps" else np.float64
                 variables[name] = ("member", values[numbers].astype(dtype), attributes)
         for name in self.quantities:
+            unit = self.members.rows.units.get(name)
+            attributes = {"long_name": name} | ({"units": unit} if unit else {})
             if name not in known.histories:
                 if not np.isnan(known.quantities[name][numbers]).any():
-                    variables[name] = ("member", known.quantities[name][numbers], {"long_name": name})
+                    variables[name] = ("member", known.quantities[name][numbers], attributes)
                 continue
             found = [known.history(k, name) for k in numbers.tolist()]
             if all(history is not None for history in found):
-                variables[name] = (("member", "instant"), np.array(found, dtype=float), {"long_name": name})
+                variables[name] = (("member", "instant"), np.array(found, dtype=float), attributes)
                 coordinates["instant"] = np.linspace(0.0, 1.0, HISTORY_TIMES)
         if len(numbers) and self.members.kept() and not self.separate:
             if self.members.stack is not None:

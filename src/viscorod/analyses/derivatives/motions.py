@@ -14,6 +14,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from viscorod.analyses.derivatives.differentiate import derivative
+from viscorod.analyses.derivatives.felt_forces import FeltForces
 from viscorod.analyses.derivatives.moved_steps import moved_ends
 from viscorod.analyses.derivatives.neighbours import CLOSE, Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange, settle
@@ -49,8 +50,9 @@ UNEVEN = ("midpoint",)
 """Methods whose section forces are quotients of small differences: few neighbours would show their rounding."""
 LEAST, WANTED, MOST = 1e-6, 3e-6, 3e-4
 """Change of positions over the size of the model, which round-off would hide, which is good, and which is too large."""
-LARGEST = 5e-4
-"""Change of a number, as a part of it, that two neighbours differ by at most."""
+LARGEST = 7e-4
+"""Change of a number, as a part of it, that two neighbours differ by at most: what they leave of third order is about
+the square of it, and half of the 1e-6 that is wanted is left for rounding."""
 HIDDEN, FARTHEST = 3e-7, 1e-2
 """Change of positions over the size of the model, a millionth of which round-off (1e-13) nearly hides: a number that
 changes them less has four neighbours, which may differ by so much of it."""
@@ -59,10 +61,10 @@ ROUNDED = 10.0
 STILL, HEARD, CLEAR = 1e-13, 6e-10, 2e-9
 """Change of velocities times a step, over the size of the model and :data:`ROUNDED`: below which there is none, below
 which round-off (6e-16) is more than 1e-6 of it, and which is good."""
-WEAK = {"damping": 20.0, "inertia": 10.0}
-"""Words of keys of numbers that hardly matter in most motions, and how much farther their neighbours are at first."""
+WEAK = ("damping", "inertia")
+"""Words of keys of numbers that hardly matter in most motions: neighbours are as far apart as two may be at first."""
 UNMOVED = 1e-11
-"""The same of numbers that change nothing at rest, such as times of damping: what they move is seen in the motion."""
+"""Change of positions at rest over the size of the model, below which a number is felt in motion only."""
 OPEN = 1e-9
 """Gap of a joint over the length of the model (in rad) from which on it is open."""
 ALIKE = 0.5
@@ -128,10 +130,10 @@ class _Tried(NamedTuple):
         """Return those to begin with: as far as what they change of the equilibrium at the start asks for."""
         if close is None:
             return cls(Neighbours.of(model, key, discrete), None)
-        part = close * max((farther for word, farther in WEAK.items() if word in key), default=1.0)
+        part = close * (LARGEST / CLOSE if any(word in key for word in WEAK) else 1.0)
         found = cls(Neighbours.of(model, key, discrete, part), part)
         moved = start.moved(found.neighbours)
-        return found if moved < UNMOVED else found.better(model, discrete, _Apart(moved)) or found
+        return found.better(model, discrete, _Apart(moved)) or found if moved > 0.0 else found
 
     def better(self, model: ModelDescription, discrete: DiscreteModel, apart: _Apart) -> _Tried | None:
         """Return others, if these are too close or too far ``apart``."""
@@ -235,6 +237,7 @@ class MotionStart:
             except SolveError:
                 if not _free_of_load(discrete, still):
                     raise
+        self._felt = None if self.change is None else FeltForces(discrete, run, self.change)
 
     def own(self) -> State:
         """Return the state that the motion itself starts from; an equilibrium is found to round-off."""
@@ -259,13 +262,19 @@ class MotionStart:
         return found
 
     def moved(self, neighbours: Neighbours) -> float:
-        """Return how far neighbours rest apart at the start, over the size of the model; 0 where nothing is known."""
+        """Return how far neighbours are apart, over the size of the model; 0 where nothing is known.
+
+        That is at rest at the start, and in the motion if a number changes nothing there.
+        """
         if self.change is None:
             return 0.0
         first, *others = neighbours.each
         apart = max(abs(one.change - first.change) for one in others)
         increment = self._increment(neighbours)[: self.discrete.problem.size, :3]
-        return apart * float(np.abs(increment).max()) / self.discrete.problem.length
+        found = apart * float(np.abs(increment).max()) / self.discrete.problem.length
+        if found < UNMOVED and self._felt is not None:
+            found = self._felt.moved(neighbours)
+        return found
 
     def _increment(self, neighbours: Neighbours) -> Floats:
         """Return the increment of the equilibrium at the start per unit of a number."""
@@ -346,7 +355,7 @@ def exact_integrator(one: Neighbour | DiscreteModel, settings: SimulateSettings)
     if method.tolerance is not None:
         given["tolerance"] = TOLERANCE
     integrator: Any = make(one.system, one.supports, **given)
-    if hasattr(integrator, "iterations"):
+    if hasattr(integrator, "iterations") and settings.integrator not in UNEVEN:
         integrator.iterations, integrator.newton_tolerance = ITERATIONS, ROUNDING
     found: Integrator = integrator
     return found

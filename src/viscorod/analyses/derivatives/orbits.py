@@ -59,19 +59,45 @@ def orbit_derivatives(
     found = {}
     for key in keys:
         neighbours = Neighbours.of(model, key, discrete, CLOSE)
-        parts = []
+        parts, lost = [], set()
         for one in neighbours.each:
-            record = _found_again(one, settings, base.copy(), result, key, folds)
-            parts.append(Part(one.weight, one.change, _near(one, settings, record, result, folds)))
+            record, missing = _found_again(one, settings, base.copy(), result, key, folds)
+            lost |= set(missing)
+            left_out = np.union1d(folds, missing).astype(int)
+            parts.append(Part(one.weight, one.change, _near(one, settings, record, result, left_out)))
         number = neighbours.number
-        found[key] = Derivative(key, number.value, number.unit, result, parts, notes)
+        told = [*notes, _lost(result, key, sorted(lost))] if lost else notes
+        found[key] = Derivative(key, number.value, number.unit, result, parts, told)
     return found
+
+
+def _lost(result: Periodic, key: str, lost: Sequence[int]) -> str:
+    """Return a note of points without derivatives.
+
+    Raises:
+        SolveError: no point has any.
+    """
+    frequencies = result.data["frequency"].values[list(lost)]
+    where = ", ".join(f"{k + 1} ({hertz:.6g} Hz)" for k, hertz in zip(lost, frequencies, strict=True))
+    why = (
+        f"no motion was found beside that of point {where} for a slightly other {key}: a fold, or another family of "
+        "motions, such as one that a superharmonic resonance sets off, lies too close by"
+    )
+    if len(lost) == len(result.data["frequency"]):
+        raise SolveError(
+            f"The motions have no derivative by {key}: {why}. Ask for frequencies or levels further off, or for more "
+            "harmonics"
+        )
+    return f"{why}; the derivatives are no numbers there"
 
 
 def _found_again(
     one: Neighbour, settings: PeriodicSettings, state: State, result: Periodic, key: str, folds: np.ndarray
-) -> Record:
-    """Return the motions of a neighbour, which rests next to ``state``."""
+) -> tuple[Record, list[int]]:
+    """Return the motions of a neighbour, which rests next to ``state``, and those that were not found.
+
+    For the latter stands that of the model itself.
+    """
     before = settings.about == "equilibrium"
     if not one.static.newton(state, 0.0, before=before, scale=1.0).converged:
         raise SolveError(
@@ -80,18 +106,18 @@ def _found_again(
     record = Record.of(one.discrete, settings, state)
     size, places = record.balance.fourier.count, record.balance.problem.pattern.size
     rows = np.zeros((0, size, places, 6)), np.zeros((0, 0))
+    missing: list[int] = []
     for k, (orbit, setting) in enumerate(result.orbits):
         solved = Solved(orbit, record.balance.moved(orbit, setting), 0)
         for _ in range(0 if k in folds else AGAIN):
             better = OrbitSolver(record.balance, ()).solve(solved.orbit, setting, rows, fresh=True)
             if better is None:
-                raise SolveError(
-                    f"The motion at {setting.omega / (2.0 * np.pi):.6g} Hz has no derivative by {key}: none was found "
-                    "for a number close by"
-                )
+                missing.append(k)
+                solved = Solved(orbit, record.balance.moved(orbit, setting), 0)
+                break
             solved = better
         record.add(solved.motion, solved.orbit)
-    return record
+    return record, missing
 
 
 def _near(

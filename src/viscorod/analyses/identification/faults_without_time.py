@@ -144,22 +144,31 @@ def _of_response(
             scaled = _distance(ratio - level)
             if scaled < ALIKE and abs(level) > BETTER * max(scaled, 0.5 * ALIKE):
                 size = float(np.exp(level))
+    yield from _kind_told(record.name, told, size)
+
+
+def _kind_told(name: str, told: Mapping[tuple[int, int], float], size: float) -> Iterator[str]:
+    """Say which derivative or integral of the model's response a record looks like, or how much larger it is.
+
+    Args:
+        told: distance from the model's response, by power of i omega and sign; size: over the model's.
+    """
     power, sign = min(told, key=lambda key: told[key], default=(0, 1))
     if (power, sign) == (0, 1) or told[power, sign] > min(ALIKE, told[0, 1] / BETTER):
         if size != 1.0:
             yield (
-                f"{record.name} is some {size:.3g} times the response of the model: look at its unit and at the size "
+                f"{name} is some {size:.3g} times the response of the model: look at its unit and at the size "
                 "of the input, or give it unknown = ['gain']."
             )
         return
     other = ", with the opposite sign" if sign < 0 else ""
     if power:
         yield (
-            f"{record.name} looks like the {KINDS[power]} of the model's response{other}: name that output in the case "
+            f"{name} looks like the {KINDS[power]} of the model's response{other}: name that output in the case "
             "(ux a displacement, vx a velocity, ax an acceleration)."
         )
     else:
-        yield f"{record.name} looks like the model's response{other}: turn the direction of its output or its input."
+        yield f"{name} looks like the model's response{other}: turn the direction of its output or its input."
 
 
 def _above_noise(record: ResponseRecord) -> np.ndarray:

@@ -7,49 +7,50 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 from viscorod.analyses.case_run import discretised_case
-from viscorod.analyses.sweeps.member_work import MemberWork, member_case
+from viscorod.analyses.sweeps.looked import Looked
+from viscorod.analyses.sweeps.member_work import MemberWork
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case
-from viscorod.casefile.known_parts import KnownParts
 from viscorod.casefile.unit_conversion import unit_at
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
-from viscorod.results.quantities import Quantity
 from viscorod.results.sweep_members import Rows
 
-__all__ = ["checked", "require_sendable", "units_of"]
+__all__ = ["FEW", "checked", "require_right", "require_sendable", "units_of"]
+
+FEW = 16
+"""Members that are looked at before processes look at others."""
 
 
-def checked(
-    case: Case, rows: Mapping[int, Row], quantities: Sequence[Quantity], keep: bool
-) -> tuple[list[str], dict[int, Case]]:
+def checked(work: MemberWork, rows: Mapping[int, Row]) -> tuple[Looked, dict[int, Case]]:
+    """Return what there is to say of some members, by their numbers, and their cases, about 10 kB each.
+
+    The places of quantities are looked for in member 0.
+    """
+    looked, read = work.looked_at(rows)
+    places = {quantity.place: quantity.name for quantity in work.quantities if quantity.place}
+    if 0 in read and places:
+        try:
+            _require_places(read[0], places)
+        except InputError as error:
+            looked.refuse(error, 0)
+    return looked, read
+
+
+def require_right(case: Case, looked: Looked, rows: Sequence[Row], numbers: Sequence[int]) -> None:
     """Refuse wrong keys, values and places before anything is computed.
 
     Args:
-        rows: the values of members that are looked at, by their numbers.
+        rows: the values of all members; numbers: of those that were looked at.
 
-    Returns:
-        What was chosen for all members, and the cases of those that were looked at, about 10 kB each.
+    Raises:
+        InputError: something is wrong.
     """
-    notes: list[str] = []
-    read: dict[int, Case] = {}
-    problems: dict[tuple[str, str], tuple[Fault, list[int]]] = {}
-    known = KnownParts()
-    places = {quantity.place: quantity.name for quantity in quantities if quantity.place}
-    for k, row in rows.items():
-        try:
-            read[k], note = member_case(case.content, case.source, case.title, row, keep, known)
-            if k == 0 and places:
-                _require_places(read[k], places)
-        except InputError as error:
-            for problem in error.problems:  # the same mistake in many members is reported once
-                problems.setdefault((problem.where, problem.why), (problem, []))[1].append(k)
-            continue
-        notes += [note] if note else []
-    if problems:
-        told = [_with_members(fault, numbers, rows) for fault, numbers in problems.values()]
+    if looked.problems:
+        of_some = {k: rows[k] for k in numbers}
+        in_order = sorted(looked.problems.values(), key=lambda problem: min(problem[1]))
+        told = [_with_members(fault, sorted(wrong), of_some) for fault, wrong in in_order]
         raise InputError(told, heading=str(case.source) if case.source else "case")
-    return list(dict.fromkeys(notes)), read
 
 
 def units_of(case: Case, rows: Rows) -> dict[str, str]:

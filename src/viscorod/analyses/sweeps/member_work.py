@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 from viscorod.analyses.case_run import run_case
+from viscorod.analyses.sweeps.looked import Looked
 from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case, case_from_dict, is_plain
@@ -22,7 +23,7 @@ from viscorod.solve.settings.course import Course
 from viscorod.solve.settings.motion import SimulateSettings
 from viscorod.whole_files import why_not
 
-__all__ = ["MemberWork", "member_case"]
+__all__ = ["MemberWork"]
 
 Job: TypeAlias = tuple[Row, str, bool, Case | None]
 """Values of a member, its name, whether its errors are estimated, and its case where that was read already."""
@@ -104,14 +105,14 @@ class MemberWork:
         """Compute one member and record it."""
         row, name, errors, read = job
         try:
-            case = self._case(row) if read is None else read
+            case = self._case(row)[0] if read is None else read
         except InputError as error:
             found: Found = None, str(error), "refused"
         else:
             found = _compute(case, errors, tell, stopped)
         result, message, outcome = found
         numbers, wrong = evaluated(self.quantities, result if outcome == COMPLETED else None)
-        doubts = result.warnings if errors and result is not None and outcome == COMPLETED else []
+        doubts = result.warnings if result is not None and outcome == COMPLETED else []
         parts = {
             "message": "; ".join(filter(None, [message, *wrong, *(f"warning: {text}" for text in doubts)])),
             "outcome": outcome,
@@ -120,13 +121,29 @@ class MemberWork:
         }
         return self._kept(name, parts, result if self.keep else None)
 
-    def _case(self, row: Row) -> Case:
-        """Read the case of a member.
+    def _case(self, row: Row) -> tuple[Case, str]:
+        """Return the case of a member, and what was chosen for it.
 
         Raises:
             InputError: a key or a value is wrong.
         """
-        return member_case(self.content, self.source, self.title, row, self.keep, self.known)[0]
+        return member_case(self.content, self.source, self.title, row, self.keep, self.known)
+
+    def looked_at(self, rows: Mapping[int, Row]) -> tuple[Looked, dict[int, Case]]:
+        """Return what there is to say of the values of members, by their numbers, and their cases."""
+        looked, read = Looked(), dict[int, Case]()
+        for number, row in rows.items():
+            try:
+                read[number], note = self._case(row)
+            except InputError as error:
+                looked.refuse(error, number)
+            else:
+                looked.chosen |= {number: note} if note else {}
+        return looked, read
+
+    def look(self, rows: Mapping[int, Row]) -> Looked:
+        """Return what there is to say of the values of members, by their numbers."""
+        return self.looked_at(rows)[0]
 
     def died(self, job: Job, why: str) -> Found:
         """Record a member whose workers died of it, or were lost; the next call does not try it again by itself."""

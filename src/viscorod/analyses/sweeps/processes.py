@@ -1,21 +1,26 @@
 """Processes that compute the members of a sweep; one that is killed costs its own member a new try, and no other.
 
 Every worker has a pipe of its own and does its members in order, so that the death of a process tells which member it
-was at, and its exit code how it ended. Of short members it has the next one already, so that it never waits.
+was at, and its exit code how it ended. Of short members it has the next ones already, so that it never waits, and
+what it has found of them is taken together.
 """
 
 from __future__ import annotations
 
 import gc
+import math
 import os
+import pickle
 import signal
 import threading
 import time
 from collections import Counter, deque
-from collections.abc import Callable, MutableMapping, Sequence
-from contextlib import suppress
+from collections.abc import Callable, Iterator, Mapping, MutableMapping, Sequence
+from contextlib import contextmanager, suppress
+from dataclasses import dataclass
+from functools import partial
 from multiprocessing.connection import wait
-from typing import Any, TypeAlias
+from typing import Any, Protocol, TypeAlias
 
 from viscorod.analyses.sweeps.process_start import context as processes
 from viscorod.analyses.sweeps.process_start import one_thread_each
@@ -23,10 +28,20 @@ from viscorod.errors import InputError
 from viscorod.one_thread import one_blas_thread
 from viscorod.results.sweep_members import NOT_RUN, Found
 
-__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Died", "Work", "in_parallel"]
+__all__ = ["FAILED", "TRIES", "UNTOUCHED", "Crew", "Died", "Work", "hired"]
 
 Work: TypeAlias = Callable[[Any, Callable[[float], None], Callable[[], bool]], Found]
 """Computes a job, tells which part of it is done and asks whether to stop."""
+
+
+class LookingWork(Protocol):
+    """Work that looks at values too, before any is computed with."""
+
+    def __call__(self, job: Any, tell: Callable[[float], None], stopped: Callable[[], bool], /) -> Found: ...
+    def look(self, rows: Mapping[int, Any], /) -> Any:
+        """Return what is to be said of some values, by the numbers of their members."""
+
+
 Died: TypeAlias = Callable[[int, str], Found]
 """Records that the workers of a job, by its number, died of it, and why."""
 
@@ -36,13 +51,24 @@ TRIES = 3
 """Processes that a member may lose before it counts as failed."""
 _POLL = 0.1  # seconds between two looks at the workers
 _SHORT = 0.5  # seconds of a member that is short
+_AHEAD, _MOST_AHEAD = 0.2, 16  # seconds of short members, and members, that a worker has before it
+_LIGHT = 4096  # bytes that a pipe takes although nobody reads
+_LITTLE = 1024  # bytes of one member of whom only numbers are told
+_SLICE = 100  # members that a worker looks at before the next ones are handed out
 _READY = "ready"
+
+
+@dataclass(frozen=True)
+class _Look:
+    """Values that a process is to look at, by the numbers of their members."""
+
+    rows: Mapping[int, Any]
 
 
 class _Worker:
     """A process that computes one member after the other."""
 
-    def __init__(self, context: Any, work: Work, cells: Any) -> None:
+    def __init__(self, context: Any, work: LookingWork, cells: Any) -> None:
         self.connection: Any
         self.connection, end = context.Pipe()
         with one_thread_each():
@@ -59,13 +85,20 @@ class _Worker:
         """The one that it is at."""
         return self.members[0] if self.members else None
 
-    def begin(self, member: int, job: Any) -> None:
-        """Give it a member; if it died meanwhile, the next look at it tells."""
+    def begin(self, waiting: deque[int], count: int, jobs: Sequence[Any]) -> None:
+        """Give it so many members of those that wait, not beside others where both might wait for the other to read."""
+        given = pickle.dumps([(waiting[k], jobs[waiting[k]]) for k in range(count)])
+        if self.members and len(given) > _LIGHT:
+            return
         if not self.members:
             self.began = time.perf_counter()
-        self.members.append(member)
+        self.members.extend(waiting.popleft() for _ in range(count))
+        self.send(given)
+
+    def send(self, what: bytes) -> None:
+        """Send something; if it died meanwhile, the next look at it tells."""
         with suppress(OSError):
-            self.connection.send((member, job))
+            self.connection.send_bytes(what)
 
     def end(self) -> None:
         """Let it go; one that computes is ended."""
@@ -75,37 +108,87 @@ class _Worker:
         self.process.join()
 
 
-def in_parallel(
-    work: Work,
-    jobs: Sequence[Any],
-    due: Sequence[int],
-    found: MutableMapping[int, Found],
-    workers: int,
-    stop: threading.Event,
-    progress: Callable[[float], None] | None,
-    died: Died,
-) -> None:
-    """Do jobs on several processes with one thread each.
+@contextmanager
+def hired(work: LookingWork, count: int, workers: int) -> Iterator[Crew]:
+    """Yield processes with one thread each, which are ended at the end.
 
     Args:
         work: a function of a module, so that other processes find it.
-        jobs: which can be pickled; due: numbers of those that are to be done.
-        found: takes what ``work`` makes of them.
-        workers: number of processes.
-        stop: set from outside; jobs that have not begun are left out then.
-        progress: called with the number of jobs done, fractions included.
-        died: says what is found of a job that ended its process ``TRIES`` times.
-
-    Raises:
-        InputError: no process could be started.
+        count: jobs that there are, done or not; workers: number of processes.
     """
-    context = processes()
-    cells = context.Array("d", len(jobs) + 1, lock=False)  # how far each job is; the last one stops all
-    before = len(found)
-    waiting, lost = deque(due), Counter[int | None]()
-    crew = [_Worker(context, work, cells) for _ in range(workers)]
-    pace = _Pace()
+    crew = Crew(work, count, workers)
     try:
+        yield crew
+    finally:
+        crew.end()
+
+
+class Crew:
+    """Processes that do jobs, or look at what the jobs are; see `hired`."""
+
+    def __init__(self, work: LookingWork, count: int, workers: int) -> None:
+        context = processes()
+        self._cells = context.Array("d", count + 1, lock=False)  # how far each job is; the last one stops all
+        self._start: Callable[[], _Worker] = partial(_Worker, context, work, self._cells)
+        self._workers = [self._start() for _ in range(workers)]
+
+    def end(self) -> None:
+        """Let all of them go."""
+        for worker in self._workers:
+            worker.end()
+
+    def look(self, rows: Mapping[int, Any], stop: threading.Event) -> list[Any]:
+        """Return what ``work.look`` says of some rows of values at a time, by their numbers, in no order.
+
+        Of those whose worker died of them nothing is said; they are no mistake of the user's, or one that their
+        computation will tell.
+        """
+        numbers = list(rows)
+        waiting = [numbers[k : k + _SLICE] for k in range(0, len(numbers), _SLICE)][::-1]
+        said: list[Any] = []
+        idle, busy = list(self._workers), dict[Any, _Worker]()
+        while busy or (idle and waiting and not stop.is_set()):
+            for worker in idle:
+                if waiting and not stop.is_set():
+                    busy[worker.connection] = worker
+                    worker.send(pickle.dumps(_Look({k: rows[k] for k in waiting.pop()})))
+            idle = []
+            for one in wait(busy, timeout=_POLL):
+                try:
+                    answer = busy[one].connection.recv()
+                except (EOFError, OSError):  # it died
+                    del busy[one]
+                    continue
+                if answer == _READY:
+                    busy[one].ready = True
+                else:
+                    said.append(answer)
+                    idle.append(busy.pop(one))
+        return said
+
+    def work(
+        self,
+        jobs: Sequence[Any],
+        due: Sequence[int],
+        found: MutableMapping[int, Found],
+        stop: threading.Event,
+        progress: Callable[[float], None] | None,
+        died: Died,
+    ) -> None:
+        """Do jobs.
+
+        Args:
+            jobs: which can be pickled; due: numbers of those that are to be done.
+            found: takes what is made of them.
+            stop: set from outside; jobs that have not begun are left out then.
+            progress: called with the number of jobs done, fractions included.
+            died: says what is found of a job that ended its process ``TRIES`` times.
+
+        Raises:
+            InputError: no process could be started.
+        """
+        before, cells, crew = len(found), self._cells, self._workers
+        waiting, lost, pace = deque(due), Counter[int | None](), _Pace()
         while len(found) < before + len(due):
             _look(crew, found, pace)
             for worker in [worker for worker in crew if not worker.process.is_alive()]:
@@ -115,50 +198,67 @@ def in_parallel(
                 lost[worker.member] += 1
                 _after_death(worker, lost[worker.member], stop, found, waiting, died)
                 if waiting:
-                    crew.append(_Worker(context, work, cells))
+                    crew.append(self._start())
             if stop.is_set():
-                cells[len(jobs)] = 1.0
+                cells[len(cells) - 1] = 1.0
                 found.update(dict.fromkeys(waiting, UNTOUCHED))
                 waiting.clear()
-            for ahead in (False, True) if pace.short else (False,):
-                least = len(crew) if ahead else 1  # the last ones go to whoever is done first
-                for worker in crew:
-                    if worker.ready and len(worker.members) <= ahead and len(waiting) >= least:
-                        number = waiting.popleft()
-                        cells[number] = 0.0
-                        worker.begin(number, jobs[number])
+            _hand_out(crew, jobs, waiting, pace.ahead)
             if progress is not None and not stop.is_set():
-                progress(len(found) - before + sum(cells[w.member] for w in crew if w.member is not None))
-    finally:
-        for worker in crew:
-            worker.end()
+                under_way = sum(cells[worker.member] for worker in crew if worker.member is not None)
+                progress(len(found) - before + under_way)
+
+
+def _hand_out(crew: Sequence[_Worker], jobs: Sequence[Any], waiting: deque[int], ahead: int) -> None:
+    """Give every worker that has nothing to do a member, and so many more that it does not wait for the next ones."""
+    for worker in crew:
+        if worker.ready and not worker.members and waiting:
+            worker.begin(waiting, 1, jobs)
+    for worker in crew:
+        fair = len(waiting) // len(crew)  # the last ones go to whoever is done first
+        more = min(ahead + 1 - len(worker.members), fair)
+        if worker.members and 2 * more > min(ahead, fair):
+            worker.begin(waiting, more, jobs)
 
 
 class _Pace:
-    """How long members take, on average."""
+    """How long members take, on average, and how much is told of them."""
 
     def __init__(self) -> None:
-        self._seconds, self._count = 0.0, 0
+        self._seconds, self._count, self._largest = 0.0, 0, 0
 
-    def add(self, seconds: float) -> None:
-        """Count one that is done."""
+    def add(self, seconds: float, size: int) -> None:
+        """Count one that is done, of which so many bytes are told."""
         self._seconds, self._count = self._seconds + seconds, self._count + 1
+        self._largest = max(self._largest, size)
 
     @property
-    def short(self) -> bool:
-        """Whether the time that a worker waits for its next member counts, and none would wait behind a long one."""
-        return 0 < self._count and self._seconds < _SHORT * self._count
+    def ahead(self) -> int:
+        """Members that a worker has beside the one that it is at: none of those that others would wait behind."""
+        if not 0 < self._count or self._seconds >= _SHORT * self._count:
+            return 0
+        return min(math.ceil(_AHEAD * self._count / max(self._seconds, 1e-9)), _MOST_AHEAD)
+
+    def rest(self, members: int) -> float:
+        """Return for how long [s] what is found may gather while every worker has so many members."""
+        if not self._count or self._largest > _LITTLE:
+            return 0.0
+        return min(0.5 * (members - 1) * self._seconds / self._count, _POLL)
 
 
 def _look(crew: Sequence[_Worker], found: MutableMapping[int, Found], pace: _Pace) -> None:
     """Take what workers have to say, or wait a little for it."""
     by_connection: dict[Any, _Worker] = {worker.connection: worker for worker in crew}
     sentinels = [worker.process.sentinel for worker in crew]
+    least = min((len(worker.members) for worker in crew), default=0)
+    if least > 2:
+        time.sleep(pace.rest(least))
     for one in wait([*by_connection, *sentinels], timeout=_POLL):
         worker = by_connection.get(one)
         if worker is None:
             continue
-        _heard(worker, found, pace)
+        while _heard(worker, found, pace):
+            pass
 
 
 def _heard(worker: _Worker, found: MutableMapping[int, Found], pace: _Pace) -> bool:
@@ -166,9 +266,10 @@ def _heard(worker: _Worker, found: MutableMapping[int, Found], pace: _Pace) -> b
     try:
         if not worker.connection.poll():
             return False
-        said = worker.connection.recv()
+        told = worker.connection.recv_bytes()
     except (EOFError, OSError):  # it died
         return False
+    said = pickle.loads(told)
     if said == _READY:
         worker.ready = True
         return True
@@ -176,7 +277,7 @@ def _heard(worker: _Worker, found: MutableMapping[int, Found], pace: _Pace) -> b
     found[number] = result
     worker.members.popleft()
     now = time.perf_counter()
-    pace.add(now - worker.began)
+    pace.add(now - worker.began, len(told))
     worker.began = now
     return True
 
@@ -222,7 +323,7 @@ def _ended(code: int | None) -> str:
     return f"was ended by {name}"
 
 
-def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str]) -> None:
+def _serve(connection: Any, work: LookingWork, cells: Any, environment: dict[str, str]) -> None:
     """Compute what comes through the pipe, in a process of its own; the parent alone answers the keyboard."""
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     os.environ.update(
@@ -237,21 +338,26 @@ def _serve(connection: Any, work: Work, cells: Any, environment: dict[str, str])
         frozen = False
         while True:
             try:
-                number, job = connection.recv()
+                given = connection.recv()
+                if isinstance(given, _Look):
+                    connection.send(work.look(given.rows))
+                    continue
             except (EOFError, OSError):  # the parent is done, or gone
                 return
+            for number, job in given:
 
-            def tell(part: float, *, number: int = number) -> None:
-                cells[number] = part
+                def tell(part: float, *, number: int = number) -> None:
+                    cells[number] = part
 
-            result = UNTOUCHED if stopped() else work(job, tell, stopped)
-            if not frozen:
-                gc.freeze()  # what the first member has loaded stays; to count what is frozen takes as long as a member
-                frozen = True
-            try:
-                connection.send((number, result))
-            except OSError:
-                return
-            except Exception as error:  # what cannot be sent must not cost the others their results
-                text = f"its result could not be handed over ({type(error).__name__}: {error})"
-                connection.send((number, (None, text, FAILED)))
+                tell(0.0)
+                result = UNTOUCHED if stopped() else work(job, tell, stopped)
+                if not frozen:
+                    gc.freeze()  # what the first member has loaded stays; to count it takes as long as a member
+                    frozen = True
+                try:
+                    connection.send((number, result))
+                except OSError:
+                    return
+                except Exception as error:  # what cannot be sent must not cost the others their results
+                    text = f"its result could not be handed over ({type(error).__name__}: {error})"
+                    connection.send((number, (None, text, FAILED)))

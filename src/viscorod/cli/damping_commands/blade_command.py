@@ -15,6 +15,8 @@ from viscorod.whole_files import replacing
 
 if TYPE_CHECKING:
     from viscorod.model.rod import Rod
+    from viscorod.programs.blades.beamdyn_blade import BeamDynBlade
+    from viscorod.typing import Floats
 
 __all__ = ["blade"]
 
@@ -51,69 +53,87 @@ def blade(
 ) -> None:
     """Read a blade or a beam, check whether its damping creates energy, and write it for another program."""
     with readable_errors():
-        import json
-
         import numpy as np
 
-        from viscorod.programs.blades.beamdyn_line import key_points, starts_along_z
-        from viscorod.programs.blades.blade_rod import BladeSections, blade_from_rod, write_beamdyn_blade
-        from viscorod.programs.blades.gxbeam_assembly import gxbeam_from_rod
-        from viscorod.programs.case_text import case_text
+        from viscorod.programs.blades.blade_rod import blade_from_rod
 
         chosen = _any_rod(source, centreline, length, same_power, rod)
         found, losses = blade_from_rod(chosen, None if stations is None else np.linspace(0.0, 1.0, stations))
-        shown = np.unique(np.linspace(0, len(found.stations) - 1, 7).astype(int))
-        rows = [
-            {
-                "station": float(found.stations[k]),
-                "mass [kg/m]": float(found.inertia[k, 0, 0]),
-                "EA [N]": float(found.stiffness[k, 2, 2]),
-                "EI about d1 [N m2]": float(found.stiffness[k, 3, 3]),
-                "EI about d2 [N m2]": float(found.stiffness[k, 4, 4]),
-                "GJ [N m2]": float(found.stiffness[k, 5, 5]),
-            }
-            for k in shown
-        ]
-        say(
-            rows_text(
-                f"{source.name}: {len(found.stations)} stations, {chosen.length:.6g} m", rows, prefixes=False
-            )
-        )
+        heading = f"{source.name}: {len(found.stations)} stations, {chosen.length:.6g} m"
+        say(rows_text(heading, _rows(found), prefixes=False))
         say("\nmu [s]: " + ", ".join(f"{value:.6g}" for value in found.mu))
-        if isinstance(chosen.section, BladeSections):
-            law = (
-                "the symmetric part of mu S"
-                if chosen.section.law == "same power"
-                else "T C T with the same six times"
-            )
-            say(
-                f"The rod's D is {law}; it differs from BeamDyn's mu S by up to {chosen.section.difference():.3g} of "
-                "sqrt(D_ii D_jj)"
-            )
+        _say_law(chosen)
         notes(losses)
         if output is None:
             return
         if output.suffix in (".json", ".toml"):
-            text = (
-                case_text(chosen, elements, title=source.stem)
-                if output.suffix == ".toml"
-                else json.dumps(gxbeam_from_rod(chosen, elements), indent=1) + "\n"
-            )
-            with replacing(output) as new:
-                new.write_text(text, encoding="utf-8")
-            say(f"\nWritten: {output}, with {elements} sections")
-            return
-        points = key_points(chosen, found.stations)
-        turned = (
-            "" if starts_along_z(chosen) else ", the rod turned so that d1, d2, d3 at its root are X, Y, Z"
-        )
-        write_beamdyn_blade(chosen, output, found.stations)
-        say(
-            f"\nWritten: {output}\n"
-            f"Key points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]){turned}:"
-        )
-        for row in points:
-            say("  " + "  ".join(f"{value: .10E}" for value in row))
+            _write_description(chosen, output, elements, source.stem)
+        else:
+            _write_blade(chosen, output, found.stations)
+
+
+def _rows(blade: BeamDynBlade) -> list[dict[str, float]]:
+    """Return some stations of a blade as rows of a table."""
+    import numpy as np
+
+    return [
+        {
+            "station": float(blade.stations[k]),
+            "mass [kg/m]": float(blade.inertia[k, 0, 0]),
+            "EA [N]": float(blade.stiffness[k, 2, 2]),
+            "EI about d1 [N m2]": float(blade.stiffness[k, 3, 3]),
+            "EI about d2 [N m2]": float(blade.stiffness[k, 4, 4]),
+            "GJ [N m2]": float(blade.stiffness[k, 5, 5]),
+        }
+        for k in np.unique(np.linspace(0, len(blade.stations) - 1, 7).astype(int))
+    ]
+
+
+def _say_law(rod: Rod) -> None:
+    """Say how the damping of a blade differs from BeamDyn's."""
+    from viscorod.programs.blades.blade_rod import BladeSections
+
+    if not isinstance(rod.section, BladeSections):
+        return
+    law = "the symmetric part of mu S"
+    if rod.section.law != "same power":
+        law = "T C T with the same six times"
+    say(
+        f"The rod's D is {law}; it differs from BeamDyn's mu S by up to {rod.section.difference():.3g} of "
+        "sqrt(D_ii D_jj)"
+    )
+
+
+def _write_description(rod: Rod, output: Path, elements: int, title: str) -> None:
+    """Write a case (.toml), or a beam of GXBeam (.json)."""
+    import json
+
+    from viscorod.programs.blades.gxbeam_assembly import gxbeam_from_rod
+    from viscorod.programs.case_text import case_text
+
+    if output.suffix == ".toml":
+        text = case_text(rod, elements, title=title)
+    else:
+        text = json.dumps(gxbeam_from_rod(rod, elements), indent=1) + "\n"
+    with replacing(output) as new:
+        new.write_text(text, encoding="utf-8")
+    say(f"\nWritten: {output}, with {elements} sections")
+
+
+def _write_blade(rod: Rod, output: Path, stations: Floats) -> None:
+    """Write a blade file of BeamDyn, and print the key points that its primary file needs."""
+    from viscorod.programs.blades.beamdyn_line import key_points, starts_along_z
+    from viscorod.programs.blades.blade_rod import write_beamdyn_blade
+
+    points = key_points(rod, stations)
+    turned = "" if starts_along_z(rod) else ", the rod turned so that d1, d2, d3 at its root are X, Y, Z"
+    write_beamdyn_blade(rod, output, stations)
+    say(
+        f"\nWritten: {output}\n"
+        f"Key points for the primary file (kp_xr kp_yr kp_zr [m], initial_twist [deg]){turned}:"
+    )
+    for row in points:
+        say("  " + "  ".join(f"{value: .10E}" for value in row))
 
 
 def _any_rod(

@@ -47,8 +47,6 @@ def convert(
     --poissons-ratio 0.3 --shear-time 0.02 --bulk-time 0.02. With --frequency also what it means at that frequency.
     """
     with readable_errors():
-        from viscorod.programs import conversions as c
-        from viscorod.programs.rayleigh import time_from_rayleigh
         from viscorod.programs.tables import law_row, material_rows, rayleigh_rows
 
         limits = None if band is None else _pair("--band", band)
@@ -78,34 +76,14 @@ def convert(
                     f"given: {', '.join([*law, *of_material]) or 'nothing'}",
                     "one law or one material is needed",
                     f"give exactly one of {', '.join(laws)}, or a material: --youngs-modulus, --poissons-ratio, "
-                    "and two "
-                    "times or viscosities",
+                    "and two times or viscosities",
                 )
             )
         if of_material:
             rows = material_rows(_material(of_material), frequency)
             tau = float(str(rows[1]["time [s]"]))
         else:
-            if rayleigh is not None:
-                alpha, beta = _pair("--rayleigh", rayleigh)
-                low, high = _needed("--band", limits, "LOW,HIGH, Hz")
-                tau, error = time_from_rayleigh(alpha, beta, low, high)
-                say(
-                    f"The closest Kelvin-Voigt law from {low:g} to {high:g} Hz; its damping ratio differs by up "
-                    f"to {error:.3g}."
-                )
-            elif time is not None:
-                tau = time
-            else:
-                at = _needed("--frequency", frequency, "of the mode, Hz")
-                if loss_factor is not None:
-                    tau = c.time_from_loss_factor(loss_factor, at)
-                elif damping_ratio is not None:
-                    tau = c.time_from_damping_ratio(damping_ratio, at)
-                elif log_decrement is not None:
-                    tau = c.time_from_damping_ratio(c.ratio_from_log_decrement(log_decrement), at)
-                else:
-                    tau = c.time_from_damping_ratio(c.ratio_from_quality_factor(quality_factor or 0.0), at)
+            tau = _time(law[0], laws[law[0]], frequency, limits)
             rows = [law_row("S = C (eps + time eps_t)", tau, frequency)]
         where = "" if frequency is None else f" at {frequency:g} Hz"
         say(_turned(f"Damping{where}", rows))
@@ -113,6 +91,34 @@ def convert(
             at = _needed("--frequency", frequency, "where the ratio is taken, Hz")
             title = f"Rayleigh constants from {limits[0]:g} to {limits[1]:g} Hz (stretch, bending)"
             say("\n" + rows_text(title, rayleigh_rows(tau, at, limits), prefixes=False))
+
+
+def _time(law: str, value: Any, frequency: float | None, limits: tuple[float, float] | None) -> float:
+    """Return the retardation time [s] of one law.
+
+    Args:
+        law: its flag; value: what it was given; frequency: of the mode [Hz].
+        limits: of the band of Rayleigh's constants [Hz].
+    """
+    from viscorod.programs import conversions as c
+    from viscorod.programs.rayleigh import time_from_rayleigh
+
+    if law == "--time":
+        return float(value)
+    if law == "--rayleigh":
+        alpha, beta = _pair("--rayleigh", value)
+        low, high = _needed("--band", limits, "LOW,HIGH, Hz")
+        tau, error = time_from_rayleigh(alpha, beta, low, high)
+        say(
+            f"The closest Kelvin-Voigt law from {low:g} to {high:g} Hz; its damping ratio differs by up to {error:.3g}."
+        )
+        return tau
+    at = _needed("--frequency", frequency, "of the mode, Hz")
+    if law == "--loss-factor":
+        return c.time_from_loss_factor(value, at)
+    ratios = {"--log-decrement": c.ratio_from_log_decrement, "--quality-factor": c.ratio_from_quality_factor}
+    ratio = ratios[law](value) if law in ratios else value
+    return c.time_from_damping_ratio(ratio, at)
 
 
 def _pair(flag: str, text: str) -> tuple[float, float]:

@@ -81,7 +81,14 @@ class Body(AnyBody):
         axes: Sequence[Point] | None = None,
         points: Named | None = None,
     ) -> Box:
-        """Make a homogeneous box; see `Box`."""
+        """Make a homogeneous box; see `Box`.
+
+        Args:
+            centre: its middle [m], global axes in the reference shape; sides: along its axes [m].
+            density: [kg/m^3]; mass: [kg] instead.
+            axes: directions of its first two sides; the global ones by default.
+            points: name -> position [m], global axes, to which supports, joints and loads may be attached.
+        """
         given = _given(centre=centre, sides=sides, density=density, mass=mass, axes=axes, points=points)
         return Box(**given)
 
@@ -96,7 +103,13 @@ class Body(AnyBody):
         axes: Sequence[Point] | None = None,
         points: Named | None = None,
     ) -> Sphere:
-        """Make a homogeneous sphere; see `Sphere`."""
+        """Make a homogeneous sphere; see `Sphere`.
+
+        Args:
+            centre: [m], global axes in the reference shape; radius: [m].
+            density: [kg/m^3]; mass: [kg] instead; axes: of its rotations, the global ones by default.
+            points: name -> position [m], global axes, to which supports, joints and loads may be attached.
+        """
         given = _given(centre=centre, radius=radius, density=density, mass=mass, axes=axes, points=points)
         return Sphere(**given)
 
@@ -112,16 +125,22 @@ class Body(AnyBody):
         mass: float | None = None,
         points: Named | None = None,
     ) -> Cylinder:
-        """Make a homogeneous cylinder; see `Cylinder`."""
+        """Make a homogeneous cylinder; see `Cylinder`.
+
+        Args:
+            centre: its middle [m], global axes in the reference shape; axis: direction; radius, length: [m].
+            density: [kg/m^3]; mass: [kg] instead.
+            points: name -> position [m], global axes, to which supports, joints and loads may be attached.
+        """
         given = _given(centre=centre, axis=axis, radius=radius, length=length, density=density, mass=mass)
         return Cylinder(**given, **_given(points=points))
 
     def total_mass(self) -> float:
-        """Return the given value."""
+        """Return the mass [kg], as given."""
         return self.mass
 
     def inertia_matrix(self) -> Floats:
-        """Return the given value."""
+        """Return the inertia [kg m^2] ``(3, 3)`` about the mass centre in the axes of the body, as given."""
         given = np.array(self.inertia)
         return np.diag(given) if given.ndim == 1 else given
 

@@ -16,6 +16,7 @@ from viscorod.model.connections.resolved_places import (
     resolved_joints,
     resolved_springs,
     same,
+    size_of,
 )
 from viscorod.model.connections.rigid_clusters import Pieces
 from viscorod.model.connections.spring import ResolvedSpring
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 __all__ = ["loose_bodies", "names_twice", "wrong_attachments", "wrong_joints"]
 
 GAP = 1e-6
-"""Largest distance of attached places, as a part of the longer rod's length."""
+"""Largest distance of attached places, as a part of the longer rod's length, or of the model."""
 
 
 def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
@@ -42,7 +43,7 @@ def wrong_attachments(model: ModelDescription) -> Iterator[Fault]:
         positions = [position_of(model, place)[0] for place in (a, b)]
         gap = float(np.linalg.norm(positions[0] - positions[1]))
         lengths = [model.rods[p.rod].length for p in (a, b) if isinstance(p, Place)]
-        reach = GAP * max(lengths or (rod.length for rod in model.rods.values()), default=0.0)
+        reach = GAP * (max(lengths) if lengths else size_of(model))
         if same(model, a, b):
             yield Fault(where, str(a), "a place cannot be attached to itself", "give two places")
         elif is_located(a) and is_located(b) and gap > reach:
@@ -71,7 +72,7 @@ def wrong_joints(model: ModelDescription) -> Iterator[Fault]:
     if not model.joints and not model.springs:
         return
     pieces = Pieces(model)
-    size = max(rod.length for rod in model.rods.values())
+    size = size_of(model)
     before: dict[frozenset[AnyPlace | None], ResolvedJoint] = {}
     for joint in resolved_joints(model):
         found = list(_wrong_ends(model, joint, pieces, size))
@@ -82,7 +83,7 @@ def wrong_joints(model: ModelDescription) -> Iterator[Fault]:
                 joint.path,
                 f"{joint.a} at {_point(joint.at_a)} and {joint.b} at {_point(joint.at_b)}",
                 f"the places are {gap:.6g} m apart along motions that the joint holds, "
-                f"more than the longest rod ({size:.6g} m)",
+                f"more than {'the longest rod' if model.rods else 'the model'} ({size:.6g} m)",
                 "move the parts so that the places meet",
             )
         other = before.setdefault(frozenset((joint.a, joint.b)), joint)
@@ -154,7 +155,9 @@ def names_twice(model: ModelDescription) -> Iterator[Fault]:
 
 
 def loose_bodies(model: ModelDescription) -> Iterator[Fault]:
-    """Find bodies that are not connected to anything."""
+    """Find bodies that are not connected to anything; where there are no rods, bodies may fly."""
+    if not model.rods:
+        return
     texts = [text for attachment in model.attachments for text in (attachment.a, attachment.b)]
     texts += [text for joint in model.joints for text in joint.ends]
     texts += [text for spring in model.springs for text in spring.ends]

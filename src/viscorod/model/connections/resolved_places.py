@@ -37,6 +37,7 @@ __all__ = [
     "resolved_supports",
     "same",
     "sides",
+    "size_of",
 ]
 
 Sides: TypeAlias = tuple[tuple[AnyPlace, AnyPlace | None], tuple[Floats, Floats]]
@@ -58,6 +59,22 @@ def position_of(model: ModelDescription, place: AnyPlace) -> tuple[Floats, Float
         return body.position(place.point), body.frame()
     position, frame = model.rods[place.rod].frames([place.s])
     return position[0], frame[0]
+
+
+def size_of(model: ModelDescription) -> float:
+    """Return the length that others are small or large beside [m].
+
+    It is that of the longest rod. Of rigid bodies alone it is the distance between the farthest corners of the box
+    around their mass centres, their points and the ends of springs, or their largest radius of
+    gyration, or 1 where all that is one point.
+    """
+    if model.rods:
+        return max(rod.length for rod in model.rods.values())
+    bodies = list(model.bodies.values())
+    known = [body.position(point) for body in bodies for point in (None, *body.points)]
+    known += [end for spring in resolved_springs(model) for end in (spring.at_a, spring.at_b)]
+    gyration = [np.sqrt(np.trace(body.inertia_matrix()) / (2.0 * body.total_mass())) for body in bodies]
+    return max(float(np.linalg.norm(np.ptp(known, axis=0))), *gyration) or 1.0
 
 
 def is_located(place: AnyPlace | None) -> bool:

@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.errors import Fault
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import BodyPlace
-from viscorod.model.connections.resolved_places import position_of, resolved_supports
+from viscorod.model.connections.resolved_places import position_of, resolved_supports, size_of
 from viscorod.model.connections.rigid_clusters import Piece, Pieces
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.typing import Floats
@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 __all__ = ["clashes", "off_centre"]
 
 APART = 1e-9
-"""Distance of supports of one node, as a part of the longest rod's length, from which on their points differ."""
+"""Distance of supports of one node, as a part of the model's size, from which on their points differ."""
 
 
 def off_centre(model: ModelDescription) -> Iterator[Fault]:
@@ -47,7 +47,7 @@ def clashes(model: ModelDescription) -> Iterator[Fault]:
     if len(model.supports) < 2:
         return
     pieces = Pieces(model)
-    size = APART * max(rod.length for rod in model.rods.values())
+    size = APART * size_of(model)
     together: dict[Piece, list[ResolvedSupport]] = {}
     for support in resolved_supports(model):
         together.setdefault(pieces.of(support.place), []).append(support)

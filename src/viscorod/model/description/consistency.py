@@ -22,8 +22,13 @@ __all__ = ["problems", "require_inertia"]
 
 def problems(model: ModelDescription) -> Iterator[Fault]:
     """Find everything that is wrong with the model as a whole, with key paths."""
-    if not model.rods:
-        yield _no_rod(model)
+    if not model.rods and not model.bodies:
+        yield Fault(
+            "rods",
+            "",
+            "the model has no rod and no body",
+            "add one with add(name, part), or a table [rods.NAME]",
+        )
         return
     found = list(_unknown_places(model))
     if not found:
@@ -40,21 +45,6 @@ def problems(model: ModelDescription) -> Iterator[Fault]:
     yield from strains
     if not found and not strains:
         yield from _unfit_strains(model)
-
-
-def _no_rod(model: ModelDescription) -> Fault:
-    """Return the fault of a model without rods, with a way for one of rigid bodies alone."""
-    how = "add one with add(name, rod), or a table [rods.NAME]"
-    if not model.bodies:
-        return Fault("rods", "", "the model has no rod", how)
-    return Fault(
-        "rods",
-        "",
-        "the model has rigid bodies only, and they are computed as parts of models with rods",
-        f'make one of the bars a rod: {how}; constraints = ("kirchhoff", "bend_1", "bend_2", "twist") keeps it rigid, '
-        "and a StiffnessSection gives it mass and moments of inertia per length; a body alone is attached to such a "
-        "rod of a thousandth of its mass",
-    )
 
 
 def require_inertia(model: ModelDescription) -> None:

@@ -351,7 +351,8 @@ def _unknown(cls: type[Definition], key: str, data: Mapping[Any, Any]) -> Faulty
 
 
 def _keys(cls: type[Definition]) -> str:
-    return ", ".join(cls.model_fields)
+    """Return the keys, those first that are given by position."""
+    return ", ".join(sorted(cls.model_fields, key=lambda name: cls.model_fields[name].kw_only is True))
 
 
 def _bind(cls: type[Definition], args: tuple[Any, ...], kwargs: dict[str, Any]) -> dict[str, Any]:

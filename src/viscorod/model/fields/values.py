@@ -318,6 +318,13 @@ def choose(
         if isinstance(value, Definition) and isinstance(value, tuple(kinds.values())):
             return value
         known = ", ".join(map(repr, kinds))
+        if isinstance(value, Definition):
+            classes = ", ".join(kind.__name__ for kind in kinds.values())
+            raise RefusedError(
+                f"this cannot be a {type(value).__name__}",
+                f"give one of {classes}",
+                found=type(value).__name__,
+            )
         if not isinstance(value, Mapping):
             raise RefusedError(
                 "a table of keys and values is needed here", f"give a table with {tag} = one of {known}"

@@ -34,8 +34,10 @@ from viscorod.model.materials.damping_model import (
 from viscorod.model.materials.dma_table import read_dma_table
 from viscorod.model.materials.moduli_over_frequency import DmaTable, beside_slope, tidied
 from viscorod.model.materials.nearest_kelvin_voigt import (
+    FAR,
     Viscous,
     errors,
+    far_from,
     nearest_kelvin_voigt,
     nearest_maxwell,
 )
@@ -46,8 +48,6 @@ from viscorod.typing import Floats
 __all__ = ["ComplexModuli", "ModulusTable"]
 
 MOST_ROWS = 100_000
-FAR = 20.0
-"""Errors of moduli beyond which one retardation time is too little, %."""
 OCTAVE = 2.0
 """Ratio of the frequencies that make the low-frequency fit: the lowest and those up to twice as high."""
 
@@ -279,14 +279,25 @@ class ComplexModuli(ModulusTable, Damping):
         sentences = [
             sentence for strain, fit in fits.items() for sentence in self._known(strain, fit, elastic, found)
         ]
+        doubts = tuple(
+            doubt
+            for strain, fit in fits.items()
+            for doubt in far_from(f"the table of {strain}", self._rows(strain)[0], *self._wrong(strain, fit))
+        )
         if len(fits) == 1:
             (fit,) = fits.values()
             sentences.append(_CONSTANT)
-            return Behaviour(*found, fit.time, fit.time, assumptions=tuple(sentences))
+            return Behaviour(*found, fit.time, fit.time, assumptions=tuple(sentences), doubts=doubts)
         shear = fits["shear"].time
         bulk = bulk_time_of(fits["extension"].time, shear, found.poissons_ratio, ("other",))
         sentences.append(f"the bulk time of {bulk:.4g} s follows from those in extension and shear (LLT 4)")
-        return Behaviour(*found, shear, bulk, assumptions=tuple(sentences))
+        return Behaviour(*found, shear, bulk, assumptions=tuple(sentences), doubts=doubts)
+
+    def _wrong(self, strain: str, fit: Viscous | RelaxationModulus) -> tuple[float, float]:
+        """Return the largest errors of storage and loss modulus of a fit, %."""
+        omega, modulus = self._rows(strain)
+        storage, loss = errors(modulus, fit.complex_modulus(omega))
+        return 100.0 * float(np.max(np.abs(storage))), 100.0 * float(np.max(np.abs(loss)))
 
     def _branches(self, elastic: Elastic) -> Behaviour:
         known = {"extension": elastic.youngs_modulus, "shear": elastic.shear_modulus}
@@ -309,10 +320,7 @@ class ComplexModuli(ModulusTable, Damping):
         self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic
     ) -> list[str]:
         """Describe the fit of a strain, and its distance from the table."""
-        omega, modulus = self._rows(strain)
-        storage, loss = (
-            100.0 * float(np.max(np.abs(error))) for error in errors(modulus, fit.complex_modulus(omega))
-        )
+        omega, (storage, loss) = self._rows(strain)[0], self._wrong(strain, fit)
         name = f"{len(fit.times)} Maxwell branches" if isinstance(fit, RelaxationModulus) else "Kelvin-Voigt"
         rows = "" if len(omega) == 1 else f" to {omega[-1] / (2.0 * math.pi):.4g}"
         known = [

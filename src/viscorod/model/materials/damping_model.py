@@ -74,6 +74,7 @@ class Behaviour:
         branches: Maxwell branches, by time; with them the times above are only those of slow motion.
         extension, shear: the relaxation moduli, where more is known than the times.
         assumptions: what was assumed, one sentence each.
+        doubts: how it differs from what was measured, by so much that every result tells it, one sentence each.
         pending: whether the times are only known once a model has been built.
     """
 
@@ -86,6 +87,7 @@ class Behaviour:
     extension: RelaxationModulus | None = None
     shear: RelaxationModulus | None = None
     assumptions: tuple[str, ...] = ()
+    doubts: tuple[str, ...] = ()
     pending: bool = False
 
     def shifted(self, factor: float) -> Behaviour:

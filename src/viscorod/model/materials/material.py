@@ -297,6 +297,11 @@ class Material(Definition):
         return self._behaviour.assumptions
 
     @property
+    def doubts(self) -> tuple[str, ...]:
+        """How the damping differs from the data that it stands for, if by much: every result tells it."""
+        return self._behaviour.doubts
+
+    @property
     def loss_band(self) -> tuple[float, float] | None:
         """The band over which a loss factor holds (`LossFactor`), Hz; None of any other damping."""
         if not isinstance(self.damping, LossFactor) or self.damping.holds is None:

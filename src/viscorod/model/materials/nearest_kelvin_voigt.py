@@ -14,12 +14,24 @@ import numpy as np
 
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.relaxation_modulus import Complexes, RelaxationModulus
+from viscorod.quantity_text import per_cent
 from viscorod.typing import Floats
 
-__all__ = ["Viscous", "band_of", "errors", "log_weights", "nearest_kelvin_voigt", "nearest_maxwell"]
+__all__ = [
+    "FAR",
+    "Viscous",
+    "band_of",
+    "errors",
+    "far_from",
+    "log_weights",
+    "nearest_kelvin_voigt",
+    "nearest_maxwell",
+]
 
 PER_DECADE = 60
 """Frequencies per decade at which a Prony series is compared."""
+FAR = 20.0
+"""Errors of moduli beyond which one retardation time is too little, %."""
 
 
 class Viscous(NamedTuple):
@@ -128,3 +140,19 @@ def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:
     """
     loss = np.where(modulus.imag > 0.0, modulus.imag, np.abs(modulus))
     return fit.real / modulus.real - 1.0, (fit.imag - modulus.imag) / loss
+
+
+def far_from(data: str, omega: Floats, storage: float, loss: float) -> tuple[str, ...]:
+    """Return what a result tells of a Kelvin-Voigt material whose moduli are wrong by more than `FAR`, else nothing.
+
+    Args:
+        data: what it was fitted to; omega: where [rad/s]; storage, loss: the largest errors there, %.
+    """
+    if max(storage, loss) <= FAR:
+        return ()
+    low, high = (value / (2.0 * math.pi) for value in (omega[0], omega[-1]))
+    return (
+        f"one Kelvin-Voigt time does not follow {data}: from {low:.4g} to {high:.4g} Hz the storage modulus is wrong "
+        f'by {per_cent(storage)} at most and the loss modulus by {per_cent(loss)}; give law = "maxwell", or a '
+        "narrower band about the frequencies of the motion",
+    )

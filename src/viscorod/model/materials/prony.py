@@ -17,7 +17,13 @@ from viscorod.model.fields.forms import NOT_NEGATIVE, POSITIVE, Form, listed, qu
 from viscorod.model.fields.metadata import Check, Key, accepts, optional
 from viscorod.model.fields.values import frequency_band, numbers, one_of
 from viscorod.model.materials.damping_model import Behaviour, Damping, Elastic, maxwell_branches
-from viscorod.model.materials.nearest_kelvin_voigt import Viscous, band_of, errors, nearest_kelvin_voigt
+from viscorod.model.materials.nearest_kelvin_voigt import (
+    Viscous,
+    band_of,
+    errors,
+    far_from,
+    nearest_kelvin_voigt,
+)
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus, extension_of
 from viscorod.quantity_text import per_cent
 
@@ -214,6 +220,7 @@ class Prony(Damping):
                 f"its loss modulus by {per_cent(wrong[1])}; at rest Young's modulus would be "
                 f"{rest.youngs_modulus:.4g} Pa"
             )
+            found = replace(found, doubts=far_from("the Prony series", omega, *wrong))
         return replace(found, extension=extension, shear=shear, assumptions=tuple(assumptions))
 
     def _relaxations(

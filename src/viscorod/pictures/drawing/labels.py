@@ -90,37 +90,37 @@ class Labels:
             extent = text.get_window_extent(renderer)
             half = 0.5 * np.array([extent.width, extent.height]) + dot
             at = pixels(label.point)
-            choices = [_Choice(half, 0.0, _around(half, dot))]
-            if label.along is not None:
-                run = pixels(label.point + label.along) - at
-                length = float(np.linalg.norm(run))
-                if length > _FITS * 2.0 * half[0] and abs(run[1]) > _STEEP * abs(run[0]):
-                    beside = np.array([half[1] + 4.0 * dot, 0.0])
-                    choices.append(_Choice(half[::-1], 90.0, [(0, beside), (0, -beside)]))
-            _, chosen = _best(choices, at, lines, boxes, frame)
+            run = None if label.along is None else pixels(label.point + label.along) - at
+            _, chosen = _best(_choices(half, run, dot), at, lines, boxes, frame)
             text.set_position(tuple(chosen.shift / dot))
             text.set_rotation(chosen.angle)
-            boxes = np.append(
-                boxes,
-                np.concatenate([at + chosen.shift - chosen.half, at + chosen.shift + chosen.half])[None],
-                axis=0,
-            )
+            box = np.concatenate([at + chosen.shift - chosen.half, at + chosen.shift + chosen.half])
+            boxes = np.append(boxes, box[None], axis=0)
             gap = np.maximum(np.abs(chosen.shift) - chosen.half, 0.0)
             if float(np.hypot(*gap)) > _FAR * dot:
                 near = chosen.shift - np.clip(chosen.shift, -chosen.half, chosen.half)
-                axes.annotate(
-                    "",
-                    tuple(label.point),
-                    tuple(near / dot),
-                    textcoords="offset points",
-                    arrowprops={
-                        "arrowstyle": "-",
-                        "color": GREY,
-                        "linewidth": 0.6,
-                        "shrinkA": 0.0,
-                        "shrinkB": 2.0,
-                    },
-                )
+                _draw_leader(axes, label.point, near / dot)
+
+
+def _choices(half: Floats, run: Floats | None, dot: float) -> list[_Choice]:
+    """Return the ways to set a text: level, and upright beside a steep line that is long enough, all in pixels.
+
+    Args:
+        half: of the sides of the text (2,); run: of the line (2,), None without one; dot: pixels of a point.
+    """
+    choices = [_Choice(half, 0.0, _around(half, dot))]
+    if run is not None:
+        length = float(np.linalg.norm(run))
+        if length > _FITS * 2.0 * half[0] and abs(run[1]) > _STEEP * abs(run[0]):
+            beside = np.array([half[1] + 4.0 * dot, 0.0])
+            choices.append(_Choice(half[::-1], 90.0, [(0, beside), (0, -beside)]))
+    return choices
+
+
+def _draw_leader(axes: Axes, point: Floats, near: Floats) -> None:
+    """Draw a line from a point to the nearest corner or side of its text, ``near`` points away."""
+    line = {"arrowstyle": "-", "color": GREY, "linewidth": 0.6, "shrinkA": 0.0, "shrinkB": 2.0}
+    axes.annotate("", tuple(point), tuple(near), textcoords="offset points", arrowprops=line)
 
 
 def _filled(centres: Floats, size: float) -> Floats:

@@ -19,6 +19,7 @@ from viscorod.pictures.style import (
     figure,
     headline,
     legend_above,
+    with_unit_of,
     without_round_off,
 )
 
@@ -58,7 +59,7 @@ def draw_quantiles(found: Ensemble, alone: str | None = None, ax: Axes | None = 
         values = np.sort(found.values(name))
         missing = len(values) < found.samples
         which = f"part of the {len(values)} members that have it" if missing else "part of the members below"
-        clean(axes, name, which)
+        clean(axes, with_unit_of(name, found.members.rows.units), which)
         axes.step(
             values, np.arange(1, len(values) + 1) / len(values), where="post", color=BLUE, linewidth=1.6
         )
@@ -109,7 +110,7 @@ def draw_fan(found: Ensemble, name: str | None = None, ax: Axes | None = None) -
     part = np.linspace(0.0, end or 1.0, values.shape[1])
     picture = _titled(found, 10.0, 4.8) if ax is None else within(ax)
     axes = ax or picture.add_subplot()
-    clean(axes, "time [s]" if end else "time over duration", name)
+    clean(axes, "time [s]" if end else "time over duration", with_unit_of(name, found.members.rows.units))
     axes.fill_between(part, low, high, color=BLUE, alpha=0.18, linewidth=0, label="5 to 95 %")
     axes.fill_between(part, inner_low, inner_high, color=BLUE, alpha=0.35, linewidth=0, label="25 to 75 %")
     axes.plot(part, middle, color=BLUE, linewidth=1.8, label="median")
@@ -188,4 +189,4 @@ def _titled(found: Ensemble, width: float, height: float) -> Figure:
 def _few_ticks(axes: Any) -> None:
     from matplotlib.ticker import MaxNLocator
 
-    axes.xaxis.set_major_locator(MaxNLocator(5))
+    axes.xaxis.set_major_locator(MaxNLocator(5, steps=(1, 2, 2.5, 5, 10)))

@@ -69,70 +69,83 @@ def draw_identification(fit: Identification, ax: Axes | None = None) -> Figure:
 
 
 def _series(fit: Identification, k: int, left: Axes, right: Axes | None) -> None:
+    """Draw series ``k``: measured and predicted values on the left, what is left over on the right."""
     data = fit.data
     mine = data["series_of"].values == k
     place, measured, predicted, deviation = (
         data[name].values[mine] for name in ("place", "measured", "predicted", "deviation")
     )
-    unit = str(data["place_unit"].values[k])
+    unit, of_unit = str(data["place_unit"].values[k]), str(data["quantity_unit"].values[k])
     along = {"s": "time [s]", "Hz": "frequency [Hz]", "N": "load"}.get(unit, "mode")
+    of_unit = f" [{of_unit}]" if of_unit not in ("", "1") else ""
     names = str(data["quantity"].values[k]).split(", ")
     pieces = np.split(np.arange(len(place)), np.flatnonzero(np.diff(place) <= 0.0) + 1)
-    of_unit = str(data["quantity_unit"].values[k])
-    of_unit = f" [{of_unit}]" if of_unit not in ("", "1") else ""
+    marks = len(place) <= FEW
     clean(left, along, (names[0] if len(pieces) == 1 else "measured") + of_unit)
     heading(left, str(data["series"].values[k]))
-    if right is not None:
-        clean(right, along, f"measured - model{of_unit}")
-    marks = len(place) <= FEW
     panels = (left,) if right is None else (left, right)
     if unit == "Hz" and place.min() > 0.0 and place.max() > WIDE * place.min():
         for axes in panels:
             axes.set_xscale("log")
     for number, piece in enumerate(pieces):
-        dashed = "--" if number else "-"
         of_piece = f", {names[number]}" if len(pieces) > 1 and number < len(names) else ""
-        left.plot(
-            place[piece],
-            measured[piece],
-            color=GREY,
-            linestyle="none" if marks else "-",
-            marker="o" if marks else ".",
-            markersize=6.0,
-            linewidth=0.6,
-            label="" if number else "measured",
-        )
-        left.plot(
-            place[piece],
-            predicted[piece],
-            color=BLUE if number == 0 else GREEN,
-            linewidth=1.0,
-            linestyle="none" if marks else dashed,
-            marker="x" if marks else "",
-            markersize=7.0,
-            label=f"model{of_piece}",
-        )
-        if right is None:
-            continue
-        right.plot(
-            place[piece],
-            (measured - predicted)[piece],
-            color=ORANGE,
-            linewidth=0.9,
-            linestyle="none" if marks else dashed,
-            marker="o" if marks else "",
-            markersize=4.0,
-        )
-        band = 1.96 * deviation[piece]
-        right.fill_between(place[piece], -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
+        _fit(left, place[piece], measured[piece], predicted[piece], number, f"model{of_piece}", marks=marks)
     if right is not None:
+        clean(right, along, f"measured - model{of_unit}")
+        for number, piece in enumerate(pieces):
+            rest = (measured - predicted)[piece]
+            _left_over(right, place[piece], rest, 1.96 * deviation[piece], number, marks=marks)
         right.axhline(0.0, color=INK, linewidth=0.7)
     if len(pieces) > 1:
         left.legend(loc="upper left", frameon=False, fontsize=SMALL)
     for axes in panels:
         axes.ticklabel_format(axis="y", scilimits=(-3, 4))
-        if unit == "" and len(place) <= FEW:
+        if unit == "" and marks:
             axes.set_xticks(place[:: max(len(place) // 10, 1)])
+
+
+def _fit(
+    axes: Axes, place: Floats, measured: Floats, predicted: Floats, number: int, label: str, *, marks: bool
+) -> None:
+    """Draw measured and predicted values of piece ``number`` of a series, as ``marks`` if they are few."""
+    axes.plot(
+        place,
+        measured,
+        color=GREY,
+        linestyle="none" if marks else "-",
+        marker="o" if marks else ".",
+        markersize=6.0,
+        linewidth=0.6,
+        label="" if number else "measured",
+    )
+    axes.plot(
+        place,
+        predicted,
+        color=GREEN if number else BLUE,
+        linewidth=1.0,
+        linestyle="none" if marks else _line(number),
+        marker="x" if marks else "",
+        markersize=7.0,
+        label=label,
+    )
+
+
+def _left_over(axes: Axes, place: Floats, rest: Floats, band: Floats, number: int, *, marks: bool) -> None:
+    """Draw what is left over of piece ``number`` of a series, and the band in which its noise is."""
+    axes.plot(
+        place,
+        rest,
+        color=ORANGE,
+        linewidth=0.9,
+        linestyle="none" if marks else _line(number),
+        marker="o" if marks else "",
+        markersize=4.0,
+    )
+    axes.fill_between(place, -band, band, color=BLUE, alpha=0.13, linewidth=0.0)
+
+
+def _line(number: int) -> str:
+    return "--" if number else "-"
 
 
 def draw_intervals(fit: Identification) -> Figure:

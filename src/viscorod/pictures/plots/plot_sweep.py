@@ -26,6 +26,7 @@ from viscorod.pictures.style import (
     has_common_number,
     headline,
     legend_above,
+    with_unit_of,
     without_round_off,
 )
 from viscorod.results.sweep_figures import FIGURES, shown
@@ -68,7 +69,9 @@ def draw_sweep(sweep: Sweep, name: str | None = None, x: str | None = None, ax: 
         raise InputError("no member of this sweep was computed to its end; its report says why")
     table, units = _in_numbers(table, sweep.parameters)
     known_units = sweep.members.rows.units.items()
-    units = {key: unit for key, unit in known_units if table[key].dtype.kind in "fiu"} | units
+    units = {
+        key: unit for key, unit in known_units if key in table and table[key].dtype.kind in "fiu"
+    } | units
     listed = [key for key in sweep.parameters if table[key].dtype.kind not in "biuf"]
     table = table.assign(
         **{key: [_text(one) for one in table[key]] for key in listed}
@@ -130,8 +133,8 @@ def _draw(
     *,
     legend: bool,
 ) -> None:
-    heading = FIGURES[name].heading if name in FIGURES else name
-    clean(axes, f"{x} [{units[x]}]" if x in units else x, heading)
+    heading = FIGURES[name].heading if name in FIGURES else with_unit_of(name, units)
+    clean(axes, with_unit_of(x, units), heading)
     groups: list[tuple[Any, pd.DataFrame]] = (
         list(table.groupby(others, sort=False)) if others else [((), table)]
     )

@@ -66,9 +66,10 @@ def film_of(result: Filmed) -> Film:
     for k, name in enumerate(modes.names[:MOST_MODES]):
         s, hertz = complex(modes.eigenvalues[k]), float(modes.frequencies[k])
         swings = abs(s.imag) > 1e-9 * abs(s) or abs(s) == 0.0
-        ratio: float | str = (
-            "" if hertz == 0.0 else float(above_rounding(modes.damping_ratios[k])) if swings else "overdamped"
-        )
+        ratio: float | str = ""
+        if hertz > 0.0:
+            away = "grows" if s.real > 0.0 else "overdamped"
+            ratio = float(above_rounding(modes.damping_ratios[k])) if swings else away
         told.append({"name": str(name), "cells": [scale * hertz, ratio]})
     around = np.broadcast_to(modes.positions, modes.shapes.shape)
     first = next((k for k, one in enumerate(told) if one["cells"][0] > 0.0), 0)

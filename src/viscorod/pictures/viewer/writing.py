@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from viscorod.checks import checked
-from viscorod.errors import InputError
+from viscorod.errors import Fault, InputError
 from viscorod.pictures.described_model import described
 from viscorod.pictures.drawing.load_arrows import gravity
 from viscorod.pictures.viewer.beside import Beside, Others
@@ -38,6 +38,7 @@ from viscorod.results.steady_result import Steady
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
 from viscorod.whole_files import replacing
+from viscorod.wording import show
 
 if TYPE_CHECKING:
     from viscorod.model.description.model_description import ModelDescription
@@ -88,12 +89,12 @@ def view(
         InputError: the result is of another kind, a number is out of range, or the place cannot be written.
     """
     if not isinstance(result, Run | Equilibrium | Modes | Steady | Buckling | StatelessResult):
-        what, instead = "result of another kind", "give a result"
+        instead = "give what an analysis returns, or viscorod.load of a file"
         if type(result).__name__ == "Sweep":
-            what, instead = "sweep", "give one of its members"
+            instead = "give one of its members"
         elif isinstance(result, list | tuple | dict):
-            what, instead = type(result).__name__, "give one motion, and the others as beside = [...]"
-        raise InputError(f"a {what} has no page; {instead}")
+            instead = "give one motion, and the others as beside = [...]"
+        raise InputError(Fault("result", show(result), "this has no page", instead))
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
@@ -194,21 +195,26 @@ def _text(result: Run | Equilibrium, limit: int, film: Film | None, others: Othe
 
 def _pack_lines(result: Result, lines: list[Line], positions: Floats, rotations: Floats, pack: Pack) -> None:
     reference = np.asarray(result.data["reference_position"].values, dtype=float)[None]
-    pack.quantised("positions", np.concatenate([line.nodes(positions) for line in lines], axis=1), 3)
-    turns = [aligned(line.nodes(rotations)) for line in lines]
+    nothing = np.zeros((len(positions), 0, 4))  # of rigid bodies alone
+    moved = [nothing[..., :3], *(line.nodes(positions) for line in lines)]
+    pack.quantised("positions", np.concatenate(moved, axis=1), 3)
+    turns = [nothing, *(aligned(line.nodes(rotations)) for line in lines)]
     pack.quantised("rotations", np.concatenate(turns, axis=1))
-    pack.plain("reference", np.concatenate([line.nodes(reference)[0] for line in lines]))
-    pack.plain("ring_s", np.concatenate([line.ring_s for line in lines]))
-    pack.plain("halves", np.concatenate([line.halves for line in lines]))
-    pack.plain("holes", np.concatenate([line.holes for line in lines]))
+    pack.plain("reference", _joined([line.nodes(reference)[0] for line in lines], 3))
+    pack.plain("ring_s", _joined([line.ring_s for line in lines]))
+    pack.plain("halves", _joined([line.halves for line in lines], 2))
+    pack.plain("holes", _joined([line.holes for line in lines]))
     start = np.cumsum([0, *(line.s.size for line in lines)])
-    pack.whole(
-        "ring_first", np.concatenate([line.ring_first + k for line, k in zip(lines, start, strict=False)])
-    )
-    width = max(line.ring_weights.shape[1] for line in lines)
+    pack.whole("ring_first", _joined([line.ring_first + k for line, k in zip(lines, start, strict=False)]))
+    width = max((line.ring_weights.shape[1] for line in lines), default=0)
     padded = [np.pad(line.ring_weights, ((0, 0), (0, width - line.ring_weights.shape[1]))) for line in lines]
-    pack.plain("ring_weights", np.concatenate(padded))
-    pack.plain("node_s", np.concatenate([line.s for line in lines]))
+    pack.plain("ring_weights", _joined(padded, width))
+    pack.plain("node_s", _joined([line.s for line in lines]))
+
+
+def _joined(parts: list[np.ndarray], *width: int) -> np.ndarray:
+    """Return one array of those of all rods, which may be none; ``width`` is the rest of its shape."""
+    return np.concatenate(parts) if parts else np.zeros((0, *width))
 
 
 def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) -> list[dict[str, Any]]:
@@ -224,7 +230,7 @@ def _pack_fields(result: Result, frames: Frames, lines: list[Line], pack: Pack) 
         for field, values in fields_of(result, frames, points):
             pack.quantised(f"field_{field['key']}", values)
             found.append({**field, "at": "points"})
-    speed = speed_of(result, frames, lines)
+    speed = speed_of(result, frames, lines) if lines else None
     if speed is not None:
         pack.quantised("field_speed", speed)
         found.append({"key": "speed", "title": "speed", "unit": "m/s", "scale": 1.0, "at": "nodes"})

@@ -64,23 +64,7 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
         raise InputError(
             Fault("points", f"{len(points)} points", "an element has two ends", "give at least two")
         )
-    if ("stiffness" in data) == ("compliance" in data):
-        raise InputError(
-            Fault(
-                "stiffness",
-                "",
-                "exactly one of stiffness and compliance is needed",
-                "give one 6x6 matrix, or one per element",
-            )
-        )
-    if "stiffness" in data:
-        stiffness = _per_element(data, "stiffness", (6, 6), count)
-    else:
-        stiffness = np.array([_inverse(c) for c in _per_element(data, "compliance", (6, 6), count)])
-    mass = _per_element(data, "mass", (6, 6), count)
-    for key, arrays in (("compliance" if "compliance" in data else "stiffness", stiffness), ("mass", mass)):
-        for k, array in enumerate(arrays):
-            _refuse_skew(key, k, array)
+    stiffness, mass = _matrices(data, count)
     mu = _per_element(data, "damping", (6,), count) if "damping" in data else np.zeros((count, 6))
     frames = (
         _per_element(data, "frames", (3, 3), count) if "frames" in data else np.tile(np.eye(3), (count, 1, 1))
@@ -94,20 +78,44 @@ def rod_from_gxbeam(assembly: Mapping[str, Any] | str | Path, *, law: Law = "sym
     pieces = []
     for k in range(count):
         turn = section_turn(frames[k], natural[k], k)
-        elastic, inertia = (turn @ from_axial_first(m) @ turn.T for m in (stiffness[k], mass[k]))
-        # mu belongs to the element's own axes: D is formed there
-        own = from_axial_first(stiffness[k])
         times = six_times(from_axial_first(mu[k]), f"damping[{k}]")
-        damping = symmetric_damping(own, times) if law == "symmetric" else product_damping(own, times)
         try:
-            section = StiffnessSection(
-                symmetric_part(elastic), symmetric_part(inertia), symmetric_part(turn @ damping @ turn.T)
-            )
+            section = _section(stiffness[k], mass[k], times, turn, law)
         except InputError as error:
             raise InputError([problem.within(f"element {k + 1}") for problem in error.problems]) from None
         pieces.append((float(ends[k]) if k < count - 1 else curve.length, section))
     profile = pieces[0][1] if count == 1 else Piecewise(pieces)
     return Rod(curve, profile, d1=d1)
+
+
+def _matrices(data: Mapping[str, Any], count: int) -> tuple[Floats, Floats]:
+    """Return stiffness and inertia of the elements ``(n, 6, 6)``, in their axes, the axial direction first."""
+    if ("stiffness" in data) == ("compliance" in data):
+        why = "exactly one of stiffness and compliance is needed"
+        raise InputError(Fault("stiffness", "", why, "give one 6x6 matrix, or one per element"))
+    key = "compliance" if "compliance" in data else "stiffness"
+    stiffness = _per_element(data, key, (6, 6), count)
+    if key == "compliance":
+        stiffness = np.array([_inverse(c) for c in stiffness])
+    mass = _per_element(data, "mass", (6, 6), count)
+    for name, arrays in ((key, stiffness), ("mass", mass)):
+        for k, array in enumerate(arrays):
+            _refuse_skew(name, k, array)
+    return stiffness, mass
+
+
+def _section(stiffness: Floats, mass: Floats, times: Floats, turn: Floats, law: Law) -> StiffnessSection:
+    """Return the section of one element in the axes of the rod.
+
+    Args:
+        stiffness, mass: in axes of the element, the axial direction first; times: six retardation times [s].
+        turn: 6 x 6, from axes of the element to those of the rod.
+    """
+    own = from_axial_first(stiffness)
+    # mu belongs to the element's own axes: D is formed there
+    damping = symmetric_damping(own, times) if law == "symmetric" else product_damping(own, times)
+    elastic, inertia, viscous = (turn @ m @ turn.T for m in (own, from_axial_first(mass), damping))
+    return StiffnessSection(symmetric_part(elastic), symmetric_part(inertia), symmetric_part(viscous))
 
 
 @checked_with(rod=of_class(Rod), elements=number_of_parts)

@@ -7,7 +7,7 @@ import json
 from collections.abc import Mapping
 from contextlib import suppress
 from dataclasses import replace
-from functools import partial
+from functools import lru_cache, partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -165,17 +165,23 @@ def described(folder: Path) -> tuple[Layout, bytes, dict[str, Any]]:
 
 
 def _static(folder: Path, identity: bytes) -> xr.Dataset:
-    import xarray as xr
-
     path = folder / LAYOUT
     try:
         content, _, _ = read_twins(path, identity)
     except FileNotFoundError:
         raise InputError(f"{folder} is incomplete: {LAYOUT} is missing") from None
     try:
-        return xr.load_dataset(io.BytesIO(content), engine="h5netcdf")
+        return _data_set(content).copy(deep=True)
     except (OSError, ValueError, KeyError) as error:
         raise InputError(f"{path} cannot be read ({error})") from None
+
+
+@lru_cache(maxsize=1)
+def _data_set(content: bytes) -> xr.Dataset:
+    """Return the data set that a file holds; a run that goes on asks for it several times, which takes the longest."""
+    import xarray as xr
+
+    return xr.load_dataset(io.BytesIO(content), engine="h5netcdf")
 
 
 def complete(

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 
-from viscorod.results.row_table import row_table
+from viscorod.results.row_table import cell, row_table
 from viscorod.results.text_table import WIDTH, listed
 from viscorod.results.validity import Validity
 from viscorod.shown import Shown, counted
@@ -107,7 +107,7 @@ class CheckReport(Shown):
             if self.rigid_motions
             else "",
             f"{self.nodes} nodes, {self.unknowns} unknowns{conditions}\nLinear systems: {self.linear_solver}",
-            str(self.validity),
+            str(self.validity) if self.validity.conditions else "",
             listed("Assumptions about damping", self.assumptions) if self.assumptions else "",
             listed("Warnings", self.warnings) if self.warnings else "No warnings",
         ]
@@ -122,12 +122,17 @@ def _rods(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
     return _alike([{key: cell for key, cell in row.items() if key not in AXES_OF_RODS} for row in rows])
 
 
+def _to_compare(value: object) -> str:
+    """Return numbers with all their digits, and directions as they are shown."""
+    return cell(value) if isinstance(value, tuple) else str(value)
+
+
 def _alike(rows: Sequence[Mapping[str, object]]) -> list[dict[str, object]]:
     """Return rows of which those that differ in their first cell only are one."""
     names: dict[tuple[tuple[str, object], ...], list[str]] = {}
     for row in rows:
         (_, name), *rest = row.items()
-        names.setdefault(tuple((key, str(value)) for key, value in rest), []).append(str(name))
+        names.setdefault(tuple((key, _to_compare(value)) for key, value in rest), []).append(str(name))
     kept: dict[str, Mapping[str, object]] = {}
     for row in rows:
         kept.setdefault(str(next(iter(row.values()))), row)

@@ -104,7 +104,8 @@ def _decay(run: Run) -> str:
     moved = run.vector(run.sites.at(site.label), "displacement")  # a data array would import xarray
     spread = float(np.ptp(moved[:, AXES.index(axis)]))
     if run.time.size > 1 and run.rests:
-        return "Nothing moves: what displacements change by is rounding"
+        turns = "Nothing is displaced, it only turns" if run.energy.moved else "Nothing moves"
+        return f"{turns}: what displacements change by is rounding"
     largest = f"{site.label} along {axis} has the largest range of displacement, {quantity(spread, 'm')}"
     decay = run.free_decay(site.label, axis)
     if decay is None:

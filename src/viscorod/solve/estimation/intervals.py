@@ -289,7 +289,8 @@ def profile_end(
     last, height = centre, 0.0
     for _ in range(8):
         try:
-            rise = float(np.sqrt(max(profile(k, float(place), start)[0] - least, 0.0)))
+            square, start = profile(k, float(place), start)  # from where the last place had the others
+            rise = float(np.sqrt(max(square - least, 0.0)))
         except (SolveError, InputError):
             place = 0.5 * (place + last)
             continue

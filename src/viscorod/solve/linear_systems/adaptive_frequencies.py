@@ -21,6 +21,8 @@ FAINT = 1e-6
 """Part of the largest response below which one, in an antiresonance, need not be followed."""
 CLOSEST = 1e-10
 """Relative distance of two frequencies at least."""
+UNDAMPED = 1e-12
+"""Decay of a vibration, as a part of its frequency, that is none."""
 LADDER = (0.25, 1.0, 4.0, 16.0, 64.0)
 """Distances from a pole, in its half widths, at which frequencies are put at first."""
 
@@ -75,6 +77,8 @@ def followed(
             known[f] = response(f)
         return known[f]
 
+    # at the frequency of what nothing damps there is no response
+    sharp = np.array([abs(s.imag) / (2.0 * np.pi) for s in poles if abs(s.real) <= UNDAMPED * abs(s)])
     start = sorted({float(f) for f in _first(band, poles)})
     worst, reached, stopped = 0.0, band[0], ""
     try:
@@ -84,6 +88,8 @@ def followed(
         while pending:
             a, b = pending.pop()
             middle = 0.5 * (a + b) if b < 1.5 * a else float(np.sqrt(a * b))
+            if np.any(np.abs(sharp - middle) <= UNDAMPED * middle):
+                middle += 0.25 * (b - middle)
             here = at(middle)
             part = (middle - a) / (b - a)
             chord = (1.0 - part) * known[a] + part * known[b]
@@ -108,7 +114,8 @@ def _first(band: tuple[float, float], poles: Sequence[complex]) -> Floats:
     found = [np.geomspace(low, high, FIRST)]
     for s in poles:
         centre, half = abs(s.imag) / (2.0 * np.pi), max(abs(s.real), 1e-7 * abs(s)) / (2.0 * np.pi)
-        around = np.array([0.0, *LADDER]) * half
-        near = np.concatenate([centre - around[1:], centre + around])
+        around = np.array(LADDER) * half
+        middle = [centre] if abs(s.real) > UNDAMPED * abs(s) else []
+        near = np.concatenate([centre - around, middle, centre + around])
         found.append(near[(near > low) & (near < high)])
     return np.concatenate(found)

@@ -239,7 +239,7 @@ def _strain_rows(operators: Operators, system: GeometricSystem) -> sparse.csr_ar
     """Return the change of the strains of all Gauss points, order of results, per nodal increment."""
     elements = system.elements()
     B, points = operators.strain, elements.reference.shape[1]
-    found = B.reshape(len(B), points, 6, -1)
+    found = B.reshape(len(B), points, 6, B.shape[-1])
     indices = system.gauss_indices()
     e, g = np.divmod(indices, points)
     width = elements.nodes.shape[1]

@@ -44,7 +44,7 @@ class StrainEnergies:
         self._rod = np.concatenate([e.rod for e in system.problem.sets])
         constraints = system.constraints
         gradients = constraints.measure(state)[2].reshape(-1, 2, 6)
-        self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints._stiffness))
+        self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints.slopes[0]))
         self._gradients, self._joined = gradients, constraints.arrays.nodes
         self.linear = linear
         problem = system.problem
@@ -53,9 +53,9 @@ class StrainEnergies:
     def _strains(self, shapes: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Return strains and forces of ``shapes`` at the Gauss points ``(e, g, 6, m)``."""
         moved = np.asarray(self.linear.basis @ shapes)
-        own = moved.reshape(-1, 6, moved.shape[1])[self._nodes]
-        strains = np.matmul(self._B, own.reshape(len(own), self._B.shape[2], -1))
-        strains = strains.reshape(len(own), -1, 6, moved.shape[1])
+        count, many = len(self._nodes), moved.shape[1]
+        own = moved.reshape(-1, 6, many)[self._nodes].reshape(count, self._B.shape[2], many)
+        strains = np.matmul(self._B, own).reshape(count, self._stiffness.shape[1], 6, many)
         return strains, np.matmul(self._stiffness, strains)
 
     def forms(self, shapes: np.ndarray, rod: str | None = None) -> np.ndarray:

@@ -81,7 +81,10 @@ class OrbitSections:
         elements, n = self.elements, self.problem.size
         poses = np.ascontiguousarray(change[:, :n])
         twists = np.einsum("kpqij,qkj->pki", linear.V, poses)
-        at = [part[:, elements.nodes].reshape(len(part), len(elements.nodes), -1) for part in (poses, twists)]
+        width = 6 * elements.nodes.shape[1]
+        at = [
+            part[:, elements.nodes].reshape(len(part), len(elements.nodes), width) for part in (poses, twists)
+        ]
         own = (linear.force @ at[0][..., None] + linear.viscous @ at[1][..., None])[..., 0]
         found = stress + own.reshape(stress.shape)
         memory = self.memory
@@ -97,9 +100,9 @@ class OrbitSections:
         elements, points, supports = self.elements, self.points, self.supports
         lacking = (points.section_force - frozen.stress) * self.weights()[..., None]
         lacking[:, self.problem.held.element, self.problem.held.point, self.problem.held.component] = 0.0
-        flat = lacking.reshape(*lacking.shape[:2], -1, 1)
+        flat = lacking.reshape(*lacking.shape[:2], 6 * lacking.shape[2], 1)
         nodal = (np.swapaxes(frozen.linear.strain, -1, -2) @ flat)[..., 0]
-        nodal = nodal.reshape(*nodal.shape[:2], -1, 6)
+        nodal = nodal.reshape(*nodal.shape[:2], elements.nodes.shape[1], 6)
         found = np.zeros((len(nodal), self.problem.size, 6))
         for e, nodes in enumerate(elements.nodes):
             for k in range(int(elements.order[e]) + 1):

@@ -16,7 +16,7 @@ from viscorod.errors import Fault, InputError
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
-from viscorod.model.connections.resolved_places import find
+from viscorod.model.connections.resolved_places import find, size_of
 from viscorod.model.connections.support_base import ResolvedSupport
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.strain_multipliers import multiplier_cliques
@@ -134,7 +134,7 @@ def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
     mesh = _mesh(model, divisions)
     places = Placement(model, mesh)
     nodes = len(mesh.positions)
-    length = max(m.rod.length for m in mesh.rods)
+    length = size_of(model)
     joints = joint_set(
         model.resolved_joints(),
         model.resolved_springs(),
@@ -195,7 +195,7 @@ def _interiors(mesh: Mesh, elements: list[Integers]) -> tuple[Integers, ...]:
 def _supports(model: ModelDescription, placement: Placement) -> SupportSet:
     resolved: dict[int, list[ResolvedSupport]] = {}
     places: dict[int, dict[str, None]] = {}
-    length = max(rod.length for rod in model.rods.values())
+    length = size_of(model)
     for index, support in enumerate(model.resolved_supports()):
         spot = placement.spot(support.place)
         assert spot is not None  # places of supports are element ends

@@ -20,6 +20,9 @@ from viscorod.solve.problem.division import Division
 from viscorod.solve.problem.problem import ElementSet, Stations
 from viscorod.typing import Floats, Integers
 
+NONE = np.zeros(0, dtype=np.int64)
+"""Numbers of a model without rods."""
+
 
 @dataclass(frozen=True)
 class RodMesh:
@@ -160,10 +163,10 @@ def element_nodes(nodes: Integers, order: int) -> Integers:
 def stations_of(mesh: Mesh) -> Stations:
     """Return all element nodes, rod by rod."""
     return Stations(
-        rod=np.concatenate([np.full(len(m.s), i, dtype=np.int64) for i, m in enumerate(mesh.rods)]),
-        s=np.concatenate([m.s for m in mesh.rods]),
-        nodes=np.concatenate(mesh.shared),
-        links=np.concatenate(mesh.links),
+        rod=np.concatenate([NONE, *(np.full(len(m.s), i) for i, m in enumerate(mesh.rods))]),
+        s=np.concatenate([np.zeros(0), *(m.s for m in mesh.rods)]),
+        nodes=np.concatenate([NONE, *mesh.shared]),
+        links=np.concatenate([NONE, *mesh.links]),
     )
 
 
@@ -232,21 +235,25 @@ class SetPlaces:
 def set_places(mesh: Mesh, pattern: Pattern) -> tuple[SetPlaces, ...]:
     """Return where elements are, by order."""
     found = []
-    for order in sorted({m.order for m in mesh.rods}):
+    # rigid bodies alone have one set without elements, so that compiled code sees what it always sees
+    for order in sorted({m.order for m in mesh.rods}) or [1]:
         rods = tuple(i for i, m in enumerate(mesh.rods) if m.order == order)
         ends = [mesh.rods[i].ends for i in rods]
-        nodes = np.concatenate([element_nodes(mesh.shared[i], order) for i in rods])
+        none = np.zeros((0, order + 1), dtype=np.int64)
+        nodes = np.concatenate([none, *(element_nodes(mesh.shared[i], order) for i in rods)])
         shapes, slopes = gauss_table(order)
         found.append(
             SetPlaces(
                 order=order,
                 rods=rods,
                 nodes=nodes,
-                links=np.concatenate([element_nodes(mesh.links[i], order) for i in rods]),
+                links=np.concatenate([none, *(element_nodes(mesh.links[i], order) for i in rods)]),
                 slots=pattern.slots(nodes),
-                rod=np.concatenate([np.full(len(s) - 1, i) for i, s in zip(rods, ends, strict=True)]),
-                start=np.concatenate([s[:-1] for s in ends]),
-                half_lengths=np.concatenate([0.5 * np.diff(s) for s in ends]),
+                rod=np.concatenate(
+                    [NONE, *(np.full(len(s) - 1, i) for i, s in zip(rods, ends, strict=True))]
+                ),
+                start=np.concatenate([np.zeros(0), *(s[:-1] for s in ends)]),
+                half_lengths=np.concatenate([np.zeros(0), *(0.5 * np.diff(s) for s in ends)]),
                 shapes=shapes,
                 slopes=slopes,
                 weights=gauss(order)[1],
@@ -295,11 +302,11 @@ def element_sets(mesh: Mesh, places: tuple[SetPlaces, ...]) -> tuple[tuple[Eleme
             weights=where.weights,
             section=section,
             half_widths=widths,
-            stiffness=np.array(table.stiffness),
-            damping=np.array(table.damping),
-            held=np.array(table.held),
+            stiffness=np.reshape(table.stiffness, (-1, 6, 6)),
+            damping=np.reshape(table.damping, (-1, 6, 6)),
+            held=np.reshape(table.held, (-1, 6)),
             branches=table.branches_of(times),
-            laws=SectionLaws.of(table.laws, np.array(table.held)),
+            laws=SectionLaws.of(table.laws, np.reshape(table.held, (-1, 6))),
         )
         for where, table, (section, widths) in zip(places, tables, numbers, strict=True)
     ]

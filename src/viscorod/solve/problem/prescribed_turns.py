@@ -11,7 +11,7 @@ from scipy.linalg import null_space
 from viscorod.model.actions.time_function import TimeFunction
 from viscorod.model.connections.motion_words import MOTIONS
 from viscorod.model.connections.place import AnyPlace, BodyPlace
-from viscorod.model.connections.resolved_places import find, position_of
+from viscorod.model.connections.resolved_places import find, position_of, size_of
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.typing import Floats
 
@@ -84,7 +84,7 @@ def _values(held: list[Held], t: float, before: bool) -> list[float]:
 def _held(model: ModelDescription) -> list[Held]:
     """Return what supports and joints hold."""
     parts = _parts(model)
-    length = max((rod.length for rod in model.rods.values()), default=1.0)
+    length = size_of(model)
 
     def of(
         axes: Floats,

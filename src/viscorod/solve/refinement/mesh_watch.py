@@ -84,9 +84,14 @@ class MeshWatch:
         return dict(zip(self.problem.rods, map(float, self.problem.rod_lengths), strict=True))
 
     @property
-    def feasible(self) -> bool:
-        """Whether errors are wanted, and the problem is small enough for a finer one beside it."""
+    def affordable(self) -> bool:
+        """Whether errors are wanted, of steps or of the mesh, and the problem is small enough."""
         return self.wanted and self.problem.size <= MOST_NODES
+
+    @property
+    def feasible(self) -> bool:
+        """Whether errors of the mesh are estimated: there are rods that a finer one divides."""
+        return self.affordable and bool(self.problem.rods)
 
     # --- what is seen
 

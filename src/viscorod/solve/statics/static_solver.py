@@ -263,10 +263,10 @@ class StaticSolver:
         There the third component of r' in the section's axes, 1 in a straight reference shape, is not positive.
         """
         strain = self.system.gauss_points().strain[:, 2]
-        places = self.system.gauss_positions()
-        worst = int(np.argmin(strain))
-        if strain[worst] > -1.0:
+        if strain.min(initial=0.0) > -1.0:
             return None
+        worst = int(np.argmin(strain))
+        places = self.system.gauss_positions()
         stations = self.system.problem.stations
         mine = np.flatnonzero(stations.rod == places.rod[worst])
         return int(stations.nodes[mine[np.argmin(np.abs(stations.s[mine] - places.s[worst]))]])
@@ -327,7 +327,7 @@ def position_noise(problem: Problem, positions: Floats) -> float:
 def _stiffest(problem: Problem) -> float:
     """Return the largest stiffness between two neighbouring nodes [N/m]."""
     stiffest = 0.0
-    for part in problem.sets:
+    for part in (one for one in problem.sets if len(one.stiffness)):
         stiff = float(np.abs(part.stiffness[:, :3, :3]).max())
         spacing = 2.0 * float(part.half_lengths.min()) / part.order
         stiffest = max(stiffest, stiff / spacing)

@@ -24,6 +24,7 @@ __all__ = [
     "softest",
     "surely_positive",
     "surely_positive_factors",
+    "with_one_sign",
 ]
 
 ROUND_OFF = 32.0 * float(np.finfo(float).eps)
@@ -36,6 +37,8 @@ SMALL = 200
 """Size up to which a full matrix is quicker than a sparse one."""
 ITERATIONS = 8
 """Inverse iterations, next to where stiffness vanishes."""
+ALIKE = 1e-6
+"""Part by which components of a direction differ that are one by symmetry: what its iteration leaves."""
 NEUTRAL = 1e-13
 """Stiffness, as a part of the mean, that a direction without any is given where it would make a pivot vanish."""
 NOTHING = 1e-14
@@ -182,10 +185,18 @@ def softest(tangent: Tangent, count: int = 1) -> Floats:
     x = np.random.default_rng(1).standard_normal((inverse.size, count))
     for _ in range(ITERATIONS):
         x = inverse.apply(np.linalg.qr(x)[0])
-    increments: Floats = np.asarray(tangent.basis @ x)
-    largest = np.argmax(np.abs(increments), axis=0)
-    increments *= np.sign(increments[largest, np.arange(count)])
-    return increments
+    return with_one_sign(np.asarray(tangent.basis @ x))
+
+
+def with_one_sign(directions: Floats) -> Floats:
+    """Return directions ``(n, count)`` whose largest component is positive, the first one of those that are alike.
+
+    In a symmetric shape two are, of opposite signs, and round-off says which is larger.
+    """
+    size = np.abs(directions)
+    first = np.argmax(size >= (1.0 - ALIKE) * size.max(axis=0), axis=0)
+    found: Floats = directions * np.sign(directions[first, np.arange(directions.shape[1])])
+    return found
 
 
 class _Pivots:

@@ -197,7 +197,7 @@ class GeometricSteady:
         increment = whole[: self.problem.size]
         if self._carried is None:
             self._carried = np.zeros_like(e.reference)
-        local = increment[e.nodes].reshape(len(e.nodes), -1)
+        local = increment[e.nodes].reshape(len(e.nodes), 6 * e.nodes.shape[1])
         for order in np.unique(e.order):
             some = np.flatnonzero(e.order == order)
             operators = self._operators.force[some, : 6 * order, : 6 * order + 6]

@@ -211,8 +211,10 @@ class _Pair:
         for _ in range(NARROWED):
             middle = 0.5 * (pair.growing + pair.calm)
             roots, shapes = pair.alike(middle)
-            k = int(np.argmax(roots.real)) if len(roots) else -1
-            if k >= 0 and grows(complex(roots[k])):
+            # what diverges all the while, as a rigid motion may, is another one
+            own = np.where(np.abs(roots.imag) >= 0.5 * abs(pair.root.imag), roots.real, -np.inf)
+            k = int(np.argmax(own)) if len(roots) else -1
+            if k >= 0 and np.isfinite(own[k]) and grows(complex(roots[k])):
                 pair.growing, pair.root, pair.shape = middle, complex(roots[k]), shapes[:, k]
             else:
                 pair.calm = middle

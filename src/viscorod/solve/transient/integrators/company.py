@@ -4,6 +4,10 @@ Where their steps end at the same times, what the prediction of a step lacks is 
 factors: what follows needs some iterations, and no factorisation. Each keeps a Jacobian of its own, as old as that of
 the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed to both
 sides the second one's follows from the first one's, to second order, and between the first two is that of no change.
+
+With joints or held strains the midpoint rule ends a step with velocities that are wrong to second order, and corrects
+them with the matrix of the step before they are recorded. So much depends on that matrix, and on its age, that each
+goes as by itself there, with factors of its own; only the ages of all are those of the leader.
 """
 
 from __future__ import annotations
@@ -48,7 +52,11 @@ class Company:
 
     def __init__(self, leader: Collocation, member: Member) -> None:
         self.leader = leader
-        leader.company, leader.stale = self, STALE
+        # the midpoint rule, whose ends of steps are corrected
+        self._ages_only = leader.stage_constraints is not None and len(leader.ends.r) > 0
+        leader.company = self
+        if not self._ages_only:
+            leader.stale = STALE
         self.followers: list[Collocation] = []
         self._members: dict[int, Member] = {id(leader): member}
         self._first: dict[int, Member] = {member.number: member}
@@ -75,14 +83,16 @@ class Company:
             one that tries the step again. False of a leader with joints or held strains: recorded states are closed
             with its matrix, which derivatives take as that of the step.
         """
-        one.newton_tolerance = LEFT
+        if not self._ages_only:
+            one.newton_tolerance = LEFT
         self._again = self._begun.get(id(one)) == one.t
         if self._again:
             return None
         self._begun[id(one)] = one.t
         if one is self.leader:
-            return None if one.stage_constraints is None else False
-        self._solve_with(one, self.leader.systems)
+            return None if one.stage_constraints is None or self._ages_only else False
+        if not self._ages_only:
+            self._solve_with(one, self.leader.systems)
         have = self.up_to_date(one)
         self._jacobians[id(one)] = self.leader.jacobians
         return have
@@ -106,7 +116,7 @@ class Company:
             self._solve_with(one, self._own[id(one)])
             self.leader.forget_jacobian()
             return False
-        return self.leader.factors_of(h)
+        return not self._ages_only and self.leader.factors_of(h)
 
     def _solve_with(self, one: Collocation, systems: StageSystems) -> None:
         one.systems = one.recorder.systems = systems
@@ -116,6 +126,8 @@ class Company:
 
         A first change next to round-off can be less than the second one, as if the iteration diverged.
         """
+        if self._ages_only:
+            return
         rows = predicted_rows(one)
         if one is self.leader:
             self.forget()
