@@ -17,13 +17,14 @@ from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
 from viscorod.analyses.identification.law_words import Frequencies, variant
-from viscorod.analyses.identification.members import members_of
+from viscorod.analyses.identification.members import Member, members_of
 from viscorod.analyses.identification.moved_numbers import moved_numbers
 from viscorod.analyses.identification.record_frequencies import held_band
 from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
+from viscorod.records.any_record import STEP
 from viscorod.results.identification_report import with_prefix
 from viscorod.results.identified import Number
 from viscorod.solve.estimation.intervals import Covariance
@@ -215,6 +216,21 @@ def test_common_faults_of_a_measurement_are_named(name):
     fit = vr.identify(swing(youngs_modulus=1.1e6), record, {YOUNG: None, BOTH: 0.03}, profile=False)
     assert words in fit.sentences[0]
     assert fit.missed == ([] if name == "zero" else ["tip"])
+
+
+def test_the_motion_lasts_as_long_as_differences_by_the_release_need():
+    """At its lower bound the search ended in an error, as differences go beyond it."""
+    release = vr.Unknown("release_time", low=-0.05, high=0.4)
+    record = vr.Record(
+        [0.0, 0.5, 1.0],
+        [0.0, 0.0, 0.1],
+        place="beam.end",
+        quantity="displacement",
+        direction="y",
+        unknown=[release],
+    )
+    duration = Member(swing(), [record]).case.settings.duration
+    assert duration >= 1.0 + 0.05 + STEP * 0.45
 
 
 def test_noise_of_a_history_with_gaps_is_no_miss_of_the_model():

@@ -126,6 +126,30 @@ def test_a_zero_of_static_loads_that_is_off_is_named_with_its_size(part):
     assert not right.sentences
 
 
+@pytest.mark.parametrize("part", [0.04, 0.0])
+def test_a_loop_of_loading_and_unloading_is_named_with_its_size(part):
+    """A loop of a parabola, told by its mean over the loads between."""
+    loads = np.linspace(0.0, 1.0, 9)
+    about = {"place": "strip.end", "direction": "z"}
+    known = strip({"equilibrium": {"load_factors": loads.tolist()}})
+    clean = vr.StaticRecord(loads, np.zeros(9), **about).predicted(run_case(known))
+    noise = 1e-3 * abs(clean[-1]) * np.random.default_rng(1).normal(size=(2, 9))
+    wide = part * clean[-1] * (1.0 - (2.0 * loads - 1.0) ** 2)
+    pulls = [
+        vr.StaticRecord(loads, clean + more + noise[k], **about, name=name)
+        for k, (name, more) in enumerate((("up", 0.0), ("down", wide)))
+    ]
+    fit = vr.identify(LOADED, pulls, {YOUNG: 60e9}, profile=False)
+    said = told(fit, "a loop of loading and unloading")
+    assert bool(said) == bool(part)
+    if part:
+        size = float(said[0].split(" and by ")[1].split(" %")[0])
+        inner = (1.0 - (2.0 * loads[1:-1] - 1.0) ** 2).mean()
+        assert size == pytest.approx(100.0 * part * inner, rel=0.05)
+    else:
+        assert fit[YOUNG].low < 70e9 < fit[YOUNG].high
+
+
 PULLS = {
     # a load that only takes up play moves nothing; a grip that settles moves by itself; a zero taken before the slack
     "play": lambda way, loads: np.interp(np.maximum(loads - 0.25, 0.0), loads, way),

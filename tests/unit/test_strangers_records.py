@@ -491,3 +491,14 @@ def test_loads_there_and_back_are_one_branch_each(tmp_path):
         assert found.values == pytest.approx(1e-3 * np.array(way))
     with pytest.raises(vr.InputError, match=r"branch: 'up': it is not known; use loading or unloading"):
         record_of({**table, "branch": "up"}, tmp_path)
+
+
+@pytest.mark.parametrize("mark", [".", ","])
+def test_a_single_column_of_complex_numbers_with_the_step_of_its_lines(tmp_path, mark):
+    file = tmp_path / "frf.txt"
+    file.write_text("".join(f"({k + 0.5}{-k - 0.25:+}j)\n" for k in range(30)).replace(".", mark))
+    found = vr.ResponseRecord.read(file, 1, step=0.5, unit="m/N")
+    np.testing.assert_allclose(found.frequencies, 0.5 * np.arange(30))
+    np.testing.assert_allclose(found.values, np.arange(30) * (1 - 1j) + 0.5 - 0.25j)
+    with pytest.raises(vr.InputError, match=r"step: 0: it is not positive; give that of the lines, Hz"):
+        vr.ResponseRecord.read(file, 1, step=0.0, unit="m/N")

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.errors import SolveError
 from viscorod.results.followed_modes import FollowedModes
+from viscorod.results.late_attributes import LateAttributes
 from viscorod.solve.formulations.system import State
 from viscorod.solve.modes.linearisation import nodal_motions
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
@@ -273,7 +274,7 @@ def doubts(
 
 def common_attributes(
     discrete: DiscreteModel, kind: str, tracker: Tracker, iterations: int, notes: list[str], **own: str
-) -> dict[str, Any]:
+) -> LateAttributes:
     """Return the attributes of a data set.
 
     Args:

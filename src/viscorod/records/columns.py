@@ -78,14 +78,14 @@ class Columns:
             else f"give its number, from 1, or one of {listed}",
         )
 
-    def timed(self, interval: float, name: str) -> Columns:
-        """Return the columns with one of times in the place of that of this name, or behind all others."""
+    def timed(self, interval: float, name: str, unit: str = "s") -> Columns:
+        """Return the columns with one of times or lines in the place of that of this name, or behind all others."""
         k = self.names.index(name) if name in self.names else len(self.names)
         times = interval * np.arange(len(self.values))
         return replace(
             self,
             names=(*self.names[:k], name, *self.names[k + 1 :]),
-            units=(*self.units[:k], "s", *self.units[k + 1 :]),
+            units=(*self.units[:k], unit, *self.units[k + 1 :]),
             values=np.column_stack([self.values[:, :k], times, self.values[:, k + 1 :]]),
             texts={place: one for place, one in self.texts.items() if place != k},
         )

@@ -131,7 +131,8 @@ def _modes(given: dict[str, Any]) -> AnyRecord:
         )
     if "modes" in found:
         given["modes"] = [int(one) if one == int(one) else float(one) for one in found.pop("modes")]
-    return ModesRecord(**given, **found)
+    given.update(found)
+    return ModesRecord(**given)
 
 
 def _unit_of_mode(

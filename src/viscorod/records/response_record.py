@@ -243,6 +243,7 @@ class ResponseRecord(AnyRecord):
         value: str | int | Sequence[str | int],
         *,
         frequency: str | int = 1,
+        step: float | None = None,
         unit: str | None = None,
         frequency_unit: str | None = None,
         phase_unit: str | None = None,
@@ -258,6 +259,7 @@ class ResponseRecord(AnyRecord):
                 part, or magnitude and phase where the second one is an angle (deg, rad). A magnitude in dB needs the
                 unit that it is over.
             frequency: column of the frequencies, by name or number from 1.
+            step: between lines, Hz, where there is no column of frequencies; the first line is at 0.
             unit: of output over input, such as "m/s^2/N" or "g/N", where the source does not say; of decibels what 0 dB
                 are, or "dB re 1 g/N".
             frequency_unit, phase_unit: where the source does not say; of a phase "deg" or "rad".
@@ -272,6 +274,12 @@ class ResponseRecord(AnyRecord):
         """
         parts = [value] if isinstance(value, str | int) else list(value)
         columns = columns_of(source, parts[0])
+        if step is not None:
+            if step <= 0.0:
+                raise InputError(
+                    Fault("step", f"{step:g}", "it is not positive", "give that of the lines, Hz")
+                )
+            columns, frequency = columns.timed(step, "frequency", "Hz"), "frequency"
         places = [columns.number("value", part) for part in parts]
         if len(places) > 2:
             raise InputError(

@@ -163,11 +163,11 @@ def _one_column(lines: list[str], at: list[int]) -> int | None:
     Raises:
         RefusedError: nothing above the numbers says if their commas are those of decimals.
     """
-    first = next((k for k in at if _ONE.fullmatch(lines[k - 1].strip())), None)
+    first = next((k for k in at if _is_one(lines[k - 1])), None)
     seen = [] if first is None else [lines[k - 1].strip() for k in at if first <= k < first + SEEN]
-    if first is None or not all(_ONE.fullmatch(line) or line.lower() in MISSING for line in seen):
+    if first is None or not all(_is_one(line) or line.lower() in MISSING for line in seen):
         return None
-    if not any("," in line for line in seen):
+    if not any("," in line for line in seen if complex_parts(line) is None):
         return first
     above = [lines[k - 1] for k in range(1, first) if lines[k - 1].strip()]
     if above:
@@ -177,6 +177,11 @@ def _one_column(lines: list[str], at: list[int]) -> int | None:
         "write the names of the columns above them",
         found=show(lines[first - 1].strip()),
     )
+
+
+def _is_one(line: str) -> bool:
+    """Return whether a line is one number, real or complex."""
+    return _ONE.fullmatch(line.strip()) is not None or complex_parts(line) is not None
 
 
 def _whole(line: str) -> list[str]:

@@ -14,6 +14,7 @@ from scipy.optimize import linear_sum_assignment
 from scipy.signal import find_peaks
 
 from viscorod.analyses.identification.members import Member
+from viscorod.analyses.identification.static_loop import static_loops
 from viscorod.analyses.identification.static_zero import static_zero
 from viscorod.analyses.identification.told import much_left
 from viscorod.records.modes_record import ModesRecord
@@ -97,7 +98,7 @@ def faults_without_time(members: Sequence[Member], best: Estimate) -> list[str]:
             elif isinstance(record, StaticRecord):
                 said = list(_of_loads(record, member.predicted(record, fitted)))
                 found += said or static_zero(record, best, rows)
-    return found
+    return found + list(static_loops(members, best))
 
 
 def _of_response(

@@ -24,6 +24,7 @@ from viscorod.casefile.case import Case
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError, SolveError, last_warnings
 from viscorod.one_thread import one_blas_thread
+from viscorod.records.any_record import STEP
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import SLACK, StaticRecord
 from viscorod.results.run import Run
@@ -224,13 +225,15 @@ class Member:
 
 
 def _last_time(record: Any) -> float:
-    """Return the time of the motion at which the last sample may be."""
+    """Return the time of the motion at which the last sample may be, also of differences by the time of release."""
     times = getattr(record, "times", None)
     if times is None:
         return 0.0
     last, span = float(times[-1]), float(times[-1] - times[0])
     release = [one for one in record.nuisances.values() if one.name == "release_time"]
-    return last - earliest_release(release[0], span) if release else last
+    if not release:
+        return last
+    return last - earliest_release(release[0], span) + STEP * float(record.usual_size(release[0]))
 
 
 def earliest_release(release: Any, span: float) -> float:

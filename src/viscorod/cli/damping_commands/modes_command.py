@@ -29,6 +29,10 @@ def modes(
     frequency: Annotated[
         str, typer.Option(help="Column of the frequencies, by name or number from 1.")
     ] = "1",
+    step: Annotated[
+        OptionalNumber,
+        typer.Option(help="Between lines, Hz, where there is no column of frequencies.", show_default=False),
+    ] = None,
     unit: Annotated[
         str | None,
         typer.Option(
@@ -81,6 +85,7 @@ def modes(
 
         told_of_it: dict[str, Any] = {
             "frequency": column(frequency),
+            "step": step,
             "unit": unit,
             "frequency_unit": frequency_unit,
             "phase_unit": phase_unit,
