@@ -127,6 +127,9 @@ def test_slow_loading_ends_in_the_static_equilibrium(method):
     assert reaction[:3] == pytest.approx([-0.05, -0.1, -0.2], abs=1e-5)
 
 
+@pytest.mark.filterwarnings(
+    "ignore:steps .* is not the material's"
+)  # what is left of the damping is the question
 @methods(1e-8, 0.01, without={"midpoint": "frequencies that it does not resolve hide the small damping"})
 def test_vanishing_viscosity_is_the_elastic_run(method):
     """E7: the difference to the undamped run falls in proportion to tau, once tau omega of all modes is small.

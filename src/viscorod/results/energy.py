@@ -120,6 +120,11 @@ class Energy(Shown, Alike):
         return float(self.viscous[-1] + self.outside[-1])
 
     @property
+    def driven(self) -> float:
+        """Largest amount of work done by or against loads, supports, motors and what changes rest strains [J]."""
+        return float(np.max(np.abs(self.external + self.actuator)))
+
+    @property
     def numerical_fraction(self) -> float:
         """Largest amount of the numerical remainder as a fraction of ``moved`` (0 where nothing moved)."""
         moved = self.moved

@@ -28,7 +28,8 @@ _MODES = 0.1  # accepted difference from the motion in half as many modes, whose
 _OPEN = 1e-3  # accepted distance of a place from where it is held, over the size of the model
 _NUMERICAL = 0.01  # accepted remainder of the energy account, as a part of what moved
 _OF_LOSS = 0.2  # accepted remainder, as a part of what the material, dampers and drag took
-_ROUNDED = 1e-9  # and what is less than this part of the energy is not looked at
+_FREE = 0.01  # work of loads, as a part of what moved, up to which a motion is left to itself
+_UNSEEN = 1e-5  # and as a part of what moved: less is no decay that anybody sees
 _OF_ALL = 1e-6  # and as a part of all energy that is there: a body that turns evenly moves next to none
 
 
@@ -89,8 +90,8 @@ def _mode_warnings(result: Result) -> list[str]:
 def energy_doubt(data: Stored) -> str:
     """Return a warning of a remainder of the energy account that is above what is accepted, else nothing.
 
-    That is 1 % of the energy that moved, and 20 % of what damping took: above it a motion decays as its steps do more
-    than as its material does, however small both are.
+    That is 1 % of the energy that moved, and 20 % of what damping took from a motion that is left to itself: its decay
+    is not the material's then, however small.
     """
     if "numerical" not in data or "kinetic" not in data:
         return ""
@@ -105,8 +106,8 @@ def energy_doubt(data: Stored) -> str:
             f"the numerical remainder of the energy account reaches {number(100.0 * fraction, 2)} % "
             f"of the energy that moved; use a smaller {setting}{used}"
         )
-    floor = _ROUNDED * max(energy.moved, float(energy.total.max()))
-    if lost > floor and abs(made) > max(_OF_LOSS * lost, floor):
+    least = max(_OF_LOSS * lost, _UNSEEN * energy.moved, _OF_ALL * float(energy.total.max()))
+    if lost > 0.0 and abs(made) > least and energy.driven <= _FREE * energy.moved:
         return (
             f"steps {'made' if made > 0.0 else 'took'} {quantity(abs(made), 'J', 2)} of energy, damping took "
             f"{quantity(lost, 'J', 2)}: the decay of this motion is not the material's; use a smaller {setting}{used}"
