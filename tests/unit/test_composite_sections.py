@@ -366,7 +366,11 @@ BOX = Rectangle(1.0, 1.0)
         (lambda: CompositeRegion(LAW), "CompositeRegion", "one outline"),
         (lambda: CompositeRegion(LAW, BOX, SQUARE), "CompositeRegion", "one outline"),
         (lambda: CompositeRegion(LAW, BOX, holes=[HOLE]), "CompositeRegion.holes", "points"),
-        (lambda: CompositeRegion(LAW, SectionProperties(1, 1, 1, 1)), "CompositeRegion.section", "give one of Circle"),
+        (
+            lambda: CompositeRegion(LAW, SectionProperties(1, 1, 1, 1)),
+            "CompositeRegion.section",
+            "give one of Circle",
+        ),
         (
             lambda: CompositeRegion(LAW, Rectangle(1, 1, torsion_constant=1.0)),
             "CompositeRegion.section",

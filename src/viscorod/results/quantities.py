@@ -52,8 +52,8 @@ class Quantity:
 
     @property
     def unit(self) -> str:
-        """SI unit; empty where it has none, or is not known, as of functions."""
-        return unit_of(self.words)
+        """SI unit; empty where it has none, is not known, as of functions, or its name says one: "tip [m]"."""
+        return "" if self.name.endswith("]") else unit_of(self.words)
 
     @property
     def is_history(self) -> bool:
