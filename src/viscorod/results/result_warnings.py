@@ -43,11 +43,11 @@ def warnings_of(result: Result) -> list[str]:
     """Return the warnings stored with a result and those that its data call for.
 
     Added to the stored ones are:
-    a remainder of the energy account above 1 % of the energy that moved, or above 20 % of what damping took, steps
-    whose errors are estimated to add up to more than 1 % of the motion, a mesh whose error is estimated as more than
-    1 % of the largest displacement or 5 % of the largest section force, or could not be estimated, critical loads and
-    frequencies that change by more than 1 % with it, and shear, stretch, or bending and twist times half width beyond
-    0.1, where the Kelvin-Voigt law for small strains (Linn, Lang and Tuganov, section 2.2) is doubtful.
+    a remainder of the energy account (see `energy_doubt`), steps whose errors are estimated to add up to more than 1 %
+    of the motion, a mesh whose error is estimated as more than 1 % of the largest displacement or 5 % of the largest
+    section force, or could not be estimated, critical loads and frequencies that change by more than 1 % with it, and
+    shear, stretch, or bending and twist times half width beyond 0.1, where the Kelvin-Voigt law for small strains
+    (Linn, Lang and Tuganov, section 2.2) is doubtful.
     """
     data = result.stored
     texts = stored_warnings(data)
