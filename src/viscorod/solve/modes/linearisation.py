@@ -148,7 +148,7 @@ def linearise(
     )
     found, parts = whole, None
     if not surely_held(problem):
-        held = [supports._directions(k, state)[1] for k in range(len(supports.set.nodes))]
+        held = [supports.motion_gradients(k, state) for k in range(len(supports.set.nodes))]
         gradients = system.constraints.measure(resting)[2]
         parts = motions_of_parts(problem, state.r, state.q, held, gradients)
     if parts is not None and parts.found:
