@@ -98,16 +98,18 @@ def energy_doubt(data: Stored) -> str:
     from viscorod.results.energy import Energy
 
     energy = Energy.of(data)
-    fraction, made, lost = energy.numerical_fraction, float(energy.numerical[-1]), energy.lost
+    moved, there = energy.moved, float(energy.total.max())
+    made, lost, most = float(energy.numerical[-1]), energy.lost, float(np.abs(energy.numerical).max())
+    fraction = most / moved if moved > 0.0 else 0.0
     setting = "tolerance" if "tolerance" in data.attrs else "time_step"
     used = f" than {data.attrs[setting]:.2g}" if setting in data.attrs else ""
-    if fraction > _NUMERICAL and np.abs(energy.numerical).max() > _OF_ALL * energy.total.max():
+    if fraction > _NUMERICAL and most > _OF_ALL * there:
         return (
             f"the numerical remainder of the energy account reaches {number(100.0 * fraction, 2)} % "
             f"of the energy that moved; use a smaller {setting}{used}"
         )
-    least = max(_OF_LOSS * lost, _UNSEEN * energy.moved, _OF_ALL * float(energy.total.max()))
-    if lost > 0.0 and abs(made) > least and energy.driven <= _FREE * energy.moved:
+    least = max(_OF_LOSS * lost, _UNSEEN * moved, _OF_ALL * there)
+    if lost > 0.0 and abs(made) > least and energy.driven <= _FREE * moved:
         return (
             f"steps {'made' if made > 0.0 else 'took'} {quantity(abs(made), 'J', 2)} of energy, damping took "
             f"{quantity(lost, 'J', 2)}: the decay of this motion is not the material's; use a smaller {setting}{used}"

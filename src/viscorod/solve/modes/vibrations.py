@@ -15,7 +15,7 @@ from viscorod.solve.modes.damped import REAL, DampedModes, damped_modes
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
-from viscorod.solve.modes.undamped import Undamped, slowest_square, undamped_modes
+from viscorod.solve.modes.undamped import Undamped, resolved_modes, undamped_modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
 from viscorod.typing import Floats
@@ -125,9 +125,9 @@ class ModesFound:
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
-    alone = slowest_square(linear) if count == 1 else None
-    if alone is not None:
-        return np.sqrt([alone])
+    resolved = resolved_modes(linear) if count == 1 else None
+    if resolved is not None:
+        return np.sqrt(1.0 / resolved[0][-1:])
     found = undamped_modes(linear, min(count, linear.motions))
     squares = np.concatenate([np.zeros(found.rigid.shape[1]), np.sort(np.maximum(found.squares, 0.0))])
     return np.asarray(np.sqrt(squares[:count]))
