@@ -10,10 +10,10 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
-from viscorod.analyses.derivatives import motions, orbits
+from viscorod.analyses.derivatives import motions, neighbours, orbits, resting_neighbours
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.derivatives.mode_shapes import ShapeRates
-from viscorod.analyses.derivatives.neighbours import Neighbours
+from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.provenance import material_record
 from viscorod.analyses.start_state import StartState
@@ -109,6 +109,54 @@ def test_equilibria_of_assemblies_change_as_differences_say():
     assert force.data.position.attrs["units"] == "(m)/(N)"
     tip = force.probe("beam.end").position.values[-1, 0]
     np.testing.assert_allclose(tip, force.history("beam.end").values[-1], atol=1e-12)
+
+
+LAYOUT_STAYS = (
+    E,
+    TAU,
+    "materials.rubber.density",
+    "rods.beam.section.width",
+    "loads[0].acceleration[2]",
+    "loads[1].value[1]",
+)
+
+
+@pytest.mark.parametrize("analysis", ["equilibrium", "modes"])
+def test_problems_of_neighbours_share_what_a_number_leaves_alone(monkeypatch, analysis):
+    """Independent: the same derivatives where every neighbour is discretised as a whole and has its own solver."""
+    model, quick, made = assembly(), neighbours.discretise_beside, []
+    others = ["rods.beam.end[0]", "bodies.tip.mass", "joints[0].stiffness.rz", "rest_strains[0].value[3]"]
+    keys = [*LAYOUT_STAYS, *others]
+    settings = {"count": 2} if analysis == "modes" else {}
+
+    def counted(*parts):
+        made.append(quick(*parts))
+        return made[-1]
+
+    monkeypatch.setattr(neighbours, "discretise_beside", counted)
+    mine = getattr(model, analysis)(**settings, derivatives=keys).derivatives
+    each = len(made) // len(keys)
+    assert [one is not None for one in made] == [k < each * len(LAYOUT_STAYS) for k in range(len(made))]
+    monkeypatch.setattr(neighbours, "discretise_beside", lambda *_: None)
+    monkeypatch.setattr(Neighbour, "resting", property(lambda one: one.static))
+    whole = getattr(model, analysis)(**settings, derivatives=keys).derivatives
+    for key in keys:
+        for name, values in whole[key].data.data_vars.items():
+            size = float(np.abs(values.values).max(initial=0.0))
+            found = mine[key].data[name].values
+            np.testing.assert_allclose(
+                found, values.values, rtol=0.0, atol=1e-10 * size, err_msg=f"{key} {name}"
+            )
+
+
+def test_forces_of_neighbours_at_rest_are_computed_when_they_are_read(monkeypatch):
+    seen, taken = [], resting_neighbours.snapshots
+    monkeypatch.setattr(resting_neighbours, "snapshots", lambda *given: seen.append(1) or taken(*given))
+    by_modulus = swing().equilibrium(derivatives=[E]).derivatives[E]
+    poses = by_modulus.of(lambda found: found.field("position"))
+    assert not seen
+    np.testing.assert_array_equal(poses, by_modulus.data.position.values)
+    assert len(seen) == 1  # for both neighbours
 
 
 def test_equilibria_of_thin_rods_obey_eulers_theorem():
@@ -329,6 +377,8 @@ def test_data_beside_a_result_are_those_made_anew():
         for derivative in result.derivatives.values():
             near = derivative.parts[0].result
             one, history, _ = near._build.args
+            if result is rest:
+                one, history = one.neighbours.each[history], one.histories[history]
             made = dataset(
                 result.kind, one.problem, one.system.gauss_positions(), history, one.attributes(result)
             )

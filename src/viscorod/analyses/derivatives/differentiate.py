@@ -4,15 +4,15 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Sequence
-from functools import partial
+from functools import cache, partial
 from typing import Any
 
 import numpy as np
 
 from viscorod.analyses.call_arguments import Differentiated
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
-from viscorod.analyses.derivatives.resting_neighbours import neighbours_at_rest, snapshots
-from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
+from viscorod.analyses.derivatives.resting_neighbours import RestingStates, neighbours_at_rest
+from viscorod.analyses.derivatives.static_changes import Instant, StaticChange, near
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
 from viscorod.errors import Fault, InputError
@@ -26,10 +26,14 @@ from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.problem.division import Division
+from viscorod.solve.problem.element_arrays import gauss_positions
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
 
 __all__ = ["equilibrium_derivatives", "on_mesh_of", "with_derivatives"]
+
+OF_POSES = {"reference_position", "reference_rotation", "position", "rotation", "half_width", "iterations"}
+"""Variables of an equilibrium that need no forces."""
 
 
 def on_mesh_of(discrete: DiscreteModel, result: Any) -> DiscreteModel:
@@ -75,28 +79,46 @@ def equilibrium_derivatives(
                 "leave stages and start out",
             )
         )
-    every = [neighbours_at_rest(model, key, discrete) for key in keys]
-    histories = [[History() for _ in one.each] for one in every]
+    every = [RestingStates(neighbours_at_rest(model, key, discrete), discrete) for key in keys]
     for factor in map(float, result.load_factor):
         state = StartState(discrete, Start(result=result, load_factor=factor)).state
         change = StaticChange(discrete, state, Instant(scale=factor))
-        for neighbours, kept in zip(every, histories, strict=True):
-            found = snapshots(change, neighbours, change.increment(neighbours), discrete)
-            for snapshot, history in zip(found, kept, strict=True):
-                history.record(factor, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
-    return {
-        neighbours.number.key: derivative(neighbours, result, kept, Equilibrium)
-        for neighbours, kept in zip(every, histories, strict=True)
-    }
+        for resting in every:
+            resting.take(change)
+    found = {}
+    for resting in every:
+        number, each = resting.neighbours.number, resting.neighbours.each
+        parts = [
+            Part(one.weight, one.change, Equilibrium.later(partial(_at_rest, resting, k, result)))
+            for k, one in enumerate(each)
+        ]
+        found[number.key] = Derivative(number.key, number.value, number.unit, result, parts)
+    return found
+
+
+def _at_rest(resting: RestingStates, number: int, result: Equilibrium) -> ArraysBeside:
+    """Return the arrays of a neighbour by its number; what does not follow from poses is computed when it is read."""
+    one = resting.neighbours.each[number]
+    made = _arrays(one, resting.poses(number), result)
+    whole = cache(lambda: _arrays(one, resting.histories[number], result).variables)
+
+    def read(name: str) -> np.ndarray:
+        return whole()[name].values
+
+    for name, (dims, _) in made.arrays.items():
+        if name not in OF_POSES:
+            made.arrays[name] = dims, partial(read, name)
+    return made
 
 
 def record_static(
     one: Neighbour, state: State, at: Instant, history: History, level: float, discrete: DiscreteModel
 ) -> None:
     """Append a resting state of a neighbour to its history."""
-    one.system.constraints.near[:] = discrete.system.constraints.near
-    one.static.restore(state, at.t, before=at.before, scale=at.scale)
-    snapshot = Snapshot.of(state, one.system, one.supports)
+    static = one.resting
+    near(static, discrete.system.constraints.near)
+    static.restore(state, at.t, before=at.before, scale=at.scale)
+    snapshot = Snapshot.of(state, static.system, static.supports)
     history.record(level, snapshot, EnergyAccount(elastic=snapshot.elastic), 0.0, 0)
 
 
@@ -112,5 +134,5 @@ def derivative(
 
 
 def _arrays(one: Neighbour, history: History, result: Any) -> ArraysBeside:
-    gauss, attributes = one.system.gauss_positions(), LateAttributes({}, partial(one.attributes, result))
+    gauss, attributes = gauss_positions(one.problem), LateAttributes({}, partial(one.attributes, result))
     return arrays_beside(result.kind, lambda: result.data, one.problem, gauss, history, attributes)

@@ -30,6 +30,7 @@ from viscorod.solve.history import History
 from viscorod.solve.linear.sparse_lu import SparseLU
 from viscorod.solve.linear_systems.dynamic_stiffness import aligned
 from viscorod.solve.linear_systems.small_motions import SmallMotions, small_motions
+from viscorod.solve.problem.element_arrays import gauss_positions
 from viscorod.solve.settings.modes import ModesSettings
 from viscorod.solve.start import Start
 from viscorod.solve.statics.static_solver import StaticSolver
@@ -138,7 +139,7 @@ class _Rates:
             for one in each
         ]
         self.pencils = [
-            Pencil.of(one.static, state, at) for one, state in zip(each, self.states, strict=True)
+            Pencil.of(one.resting, state, at) for one, state in zip(each, self.states, strict=True)
         ]
         self.changed: list[np.ndarray] = []
         self.of_groups: list[complex] = []
@@ -318,5 +319,5 @@ def _near(
     more |= {name: lambda name=name: shapes()[name] for name in SHAPES}
     more |= {name: np.full(data[name].shape, np.nan) for name in UNKNOWN if name in data}
     return dataset_beside(
-        data, one.problem, one.system.gauss_positions(), history, one.attributes(result), more
+        data, one.problem, gauss_positions(one.problem), history, one.attributes(result), more
     )

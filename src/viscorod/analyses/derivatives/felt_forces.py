@@ -77,7 +77,7 @@ class FeltForces:
 
     def _forces(self, one: Neighbour, at: _Moving) -> Floats:
         """Return the forces of a neighbour in a state of the motion ``(n, 6)``, without those of conditions."""
-        static, size = one.static, one.problem.size
+        static, size = one.resting, one.problem.size
         near(static, self._change.angles)
         static.supports.update(at.time, True)
         static.system.constraints.update(at.time, True)

@@ -12,6 +12,7 @@ neighbours leave of either share would not cancel.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -20,11 +21,13 @@ from viscorod.analyses.derivatives.static_changes import StaticChange, near
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.constraints import JointState
+from viscorod.solve.energy_account import EnergyAccount
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot
+from viscorod.solve.history import History, Snapshot
+from viscorod.solve.problem.element_arrays import gauss_positions
 from viscorod.typing import Floats
 
-__all__ = ["neighbours_at_rest", "snapshots"]
+__all__ = ["RestingStates", "neighbours_at_rest"]
 
 MOVED = 3e-3
 """Displacement over the length of the model, or rotation [rad], of the state that is farthest along the increment."""
@@ -45,9 +48,49 @@ def neighbours_at_rest(model: ModelDescription, key: str, discrete: DiscreteMode
 
 def _keep_shape(neighbours: Neighbours, discrete: DiscreteModel) -> bool:
     """Return whether neighbours have nodes, supports and joints of the very same layout, and no rest strains."""
-    problems = [one.problem for one in neighbours.each]
-    layout = discrete.problem.of_layout
-    return all(problem.of_layout is layout and not problem.rest_strains for problem in problems)
+    return not discrete.problem.rest_strains and all(one.keeps_shape for one in neighbours.each)
+
+
+class RestingStates:
+    """The equilibria of all neighbours by one number, to first order, at one load factor after the other.
+
+    Poses follow from one linear solution. What else is recorded takes five evaluations and more, and is made when it is
+    asked for.
+
+    Args:
+        neighbours: by the number; discrete: the model itself.
+    """
+
+    def __init__(self, neighbours: Neighbours, discrete: DiscreteModel) -> None:
+        self.neighbours, self._discrete = neighbours, discrete
+        self._taken: list[tuple[StaticChange, Floats]] = []
+
+    def take(self, change: StaticChange) -> None:
+        """Take the next equilibrium of the model itself."""
+        self._taken.append((change, change.increment(self.neighbours)))
+
+    def poses(self, number: int) -> History:
+        """Return the poses of a neighbour by its number; everything else is zero."""
+        one, history = self.neighbours.each[number], History()
+        problem, points = one.problem, np.zeros((len(gauss_positions(one.problem).s), 6))
+        joints = JointState(*np.zeros((3, problem.joints.count))) if problem.joints.count else None
+        reactions = np.zeros((len(problem.supports.nodes), 6))
+        for change, increment in self._taken:
+            state = change.moved(increment, one.change)
+            snapshot = Snapshot(state, points, points, points, reactions, 0.0, 0.0, joints)
+            history.record(change.at.scale, snapshot, EnergyAccount(), 0.0, 0)
+        return history
+
+    @cached_property
+    def histories(self) -> list[History]:
+        """All that is recorded of every neighbour."""
+        found = [History() for _ in self.neighbours.each]
+        for change, increment in self._taken:
+            each = snapshots(change, self.neighbours, increment, self._discrete)
+            for snapshot, history in zip(each, found, strict=True):
+                account = EnergyAccount(elastic=snapshot.elastic)
+                history.record(change.at.scale, snapshot, account, 0.0, 0)
+        return found
 
 
 def snapshots(
@@ -95,9 +138,10 @@ def _taken(
 ) -> Snapshot:
     """Return what is recorded of a model in a state at rest, under the loads of the equilibrium."""
     at, angles = change.at, change.angles
-    near(one.static, angles)
-    one.static.restore(state, at.t, before=at.before, scale=at.scale)
-    found = Snapshot.of(state, one.system, one.supports)
+    static = one.resting if isinstance(one, Neighbour) else one.static
+    near(static, angles)
+    static.restore(state, at.t, before=at.before, scale=at.scale)
+    found = Snapshot.of(state, static.system, static.supports)
     near(discrete.static, angles)
     return found
 

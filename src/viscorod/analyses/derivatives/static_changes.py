@@ -87,7 +87,7 @@ class StaticChange:
 
     def _balance(self, one: Neighbour) -> Floats:
         """Return the imposed balance of a neighbour in the state of the equilibrium ``(N, 6)``."""
-        at, static = self.at, one.static
+        at, static = self.at, one.resting
         near(static, self.system.constraints.near)
         state = self.state.copy()
         static.restore(state, at.t, before=at.before, scale=at.scale)

@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import copy
 import itertools
 from collections.abc import Callable
+from typing import Self
 
 import numpy as np
 
@@ -88,9 +90,38 @@ class ElementAssembly:
         self._assemble, self._collect = KnownTypes(geometric.assemble), KnownTypes(collect)
         self._update_stress = KnownTypes(geometric.update_stress)
         self.constraints = Constraints(problem, lambda: present)
-        self.relaxation: DashpotMemory | None = None
-        if problem.relaxing:
-            self.relaxation = DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))
+        self.relaxation = self._relaxed()
+
+    def _relaxed(self) -> DashpotMemory | None:
+        """Return the memory of Maxwell branches before a motion; None where there are none."""
+        problem = self.problem
+        if not problem.relaxing:
+            return None
+        return DashpotMemory(self.elements(), problem.relaxation_times, all_branches(problem))
+
+    def beside(self, problem: Problem) -> Self:
+        """Return the system of a problem that has other sections, masses or loads on the same nodes.
+
+        It works with the arrays that this one works with, but for the matrix and for joints: while one of them is
+        looked at, the other must not be assembled.
+        """
+        found = copy.copy(self)
+        found.problem = problem
+        found.matrix = Matrix(problem.pattern, problem.length, lambda: problem.plan)
+        if problem.constrained:  # a tangent scales what multipliers are measured in
+            found.constraints = Constraints(problem, lambda: found._elements)
+        if problem.sets is self.problem.sets:
+            return found
+        found.groups, elements, found._positions, found._places = element_arrays(problem)
+        found._elements = elements._replace(reference=self._elements.reference)
+        found._stiffness = elements.stiffness.copy()
+        ends = self.batches[:, 6:].tolist()
+        found.batches = np.array(
+            [(*group, *last) for group, last in zip(found.groups, ends, strict=True)], dtype=np.int64
+        ).reshape(-1, 8)
+        found._operators = None
+        found.relaxation = found._relaxed()
+        return found
 
     @property
     def unsaved(self) -> frozenset[str]:

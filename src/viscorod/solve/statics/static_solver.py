@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import copy
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
@@ -12,6 +13,7 @@ from scipy import sparse
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.constraints.null_space import unit_rows
 from viscorod.solve.constraints.support_state import SupportState
+from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.once import once
@@ -89,6 +91,17 @@ class StaticSolver:
         self.iterations = iterations
         self.stop = stop
         self.turns = NodeTurns(system.problem)
+
+    def beside(self, problem: Problem) -> StaticSolver:
+        """Return the solver of a problem that has other sections, masses or loads on the same nodes.
+
+        See :meth:`~viscorod.solve.formulations.element_assembly.ElementAssembly.beside`: it works with what this one
+        works with.
+        """
+        assert isinstance(self.system, GeometricSystem)
+        found = copy.copy(self)
+        found.system, found.loads = self.system.beside(problem), ExternalLoads(problem)
+        return found
 
     def check_interrupt(self) -> None:
         """Raise where the solution is to stop; called in every iteration.
