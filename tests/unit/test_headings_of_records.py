@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.records.record_table import record_of
 
 TIMES = np.arange(12) * 0.01
 VALUES = np.round(5e-3 * np.sin(9.0 * TIMES), 9)
@@ -90,3 +91,19 @@ def test_angles_that_begin_again_are_counted_on(first, tmp_path):
     about = {"place": "beam.end", "quantity": "rotation", "direction": "x"}
     found = vr.Record.read(tmp_path / "turn.csv", "angle", **about)
     np.testing.assert_allclose(found.values - found.values[0], np.deg2rad(angle - angle[0]), atol=1e-12)
+
+
+def test_angles_under_torques(tmp_path):
+    """A table of a torsion test: loads are moments, what they moved is a turn; they were refused as no forces."""
+    (tmp_path / "twist.csv").write_text("Torque [N mm],Angle [deg]\n0,0\n50,45\n100,90\n")
+    table = {
+        "kind": "static",
+        "file": "twist.csv",
+        "place": "shaft.end",
+        "direction": "x",
+        "quantity": "rotation",
+    }
+    found = record_of(table, tmp_path)
+    assert found.loads == pytest.approx([0.0, 0.05, 0.1])
+    assert found.values == pytest.approx(np.pi * np.array([0.0, 0.25, 0.5]))
+    assert found.axes[0][1] == "rad"
