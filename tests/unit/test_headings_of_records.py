@@ -107,3 +107,17 @@ def test_angles_under_torques(tmp_path):
     assert found.loads == pytest.approx([0.0, 0.05, 0.1])
     assert found.values == pytest.approx(np.pi * np.array([0.0, 0.25, 0.5]))
     assert found.axes[0][1] == "rad"
+
+
+@pytest.mark.parametrize("branch", ["loading", "unloading"])
+def test_pressure_is_a_load_below_zero(branch, tmp_path):
+    """Loads that fall from nothing to -2 N, as presses write them, and back; the lowest is first."""
+    (tmp_path / "press.csv").write_text("F [N],s [mm]\n0,0\n-1,-3\n-2,-6\n-1,-4\n0,-0.5\n")
+    table = {"kind": "static", "file": "press.csv", "place": "bar.end", "direction": "x"}
+    with pytest.raises(vr.InputError, match="the loads go up to -2 in row 3, and back; give branch"):
+        record_of(table, tmp_path)
+    found = record_of({**table, "branch": branch}, tmp_path)
+    assert found.loads.tolist() == [-2.0, -1.0, 0.0]
+    assert found.values == pytest.approx([-6e-3, *((-3e-3, 0.0) if branch == "loading" else (-4e-3, -5e-4))])
+    (tmp_path / "press.csv").write_text("F [N],s [mm]\n0,0\n-1,-3\n-2,-6\n")
+    assert record_of(table, tmp_path).loads.tolist() == [-2.0, -1.0, 0.0]

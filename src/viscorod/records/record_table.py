@@ -179,26 +179,28 @@ def _kind_of_load(columns: Columns, load: str | int, given: str | None) -> str:
     return "N m" if kind == factor_of("N m")[1] else "N"
 
 
-def _branch(source: str, loads: Floats, branch: Any) -> slice:
-    """Return the rows of loads that go up, or those that come back, the lowest first; all where none is asked for.
+def _branch(source: str, loads: Floats, branch: Any) -> np.ndarray:
+    """Return the rows of loads that go from nothing on, or those that come back, or all; the lowest load first.
 
     Raises:
         InputError: it is no word, or loads go there and back and nobody says which part is meant.
     """
-    top = int(np.argmax(loads))
+    size, rows = np.abs(loads), np.arange(len(loads))
+    top = int(np.argmax(size))
     if branch not in (None, *BRANCHES):
         raise InputError(Fault("branch", repr(branch), "it is not known", f"use {' or '.join(BRANCHES)}"))
-    if branch is None:
-        there_and_back = 0 < top < len(loads) - 1 and (np.diff(loads[: top + 1]) > 0.0).all()
-        if there_and_back and (np.diff(loads[top:]) < 0.0).all():
-            why = f"the loads go up to {loads[top]:g} in row {top + 1}, and back"
-            raise InputError(
-                Fault(
-                    f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each"
-                )
-            )
-        return slice(None)
-    return slice(0, top + 1) if branch == "loading" else slice(None, top - 1 if top else None, -1)
+    if branch is not None:
+        rows = rows[: top + 1] if branch == "loading" else rows[top:]
+    elif (
+        0 < top < len(loads) - 1
+        and (np.diff(size[: top + 1]) > 0.0).all()
+        and (np.diff(size[top:]) < 0.0).all()
+    ):
+        why = f"the loads go up to {loads[top]:g} in row {top + 1}, and back"
+        raise InputError(
+            Fault(f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each")
+        )
+    return rows[::-1] if (np.diff(loads[rows]) < 0.0).all() else rows
 
 
 def _moduli(given: dict[str, Any]) -> AnyRecord:
