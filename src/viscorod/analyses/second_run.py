@@ -70,6 +70,8 @@ def is_needed(
     free = halved.modes.rigid.shape[1] > 0
     if (free and turned > TURNED) or (turned > BENT and errors.motion > MOTION):
         return True
+    if (halved.modes.decay < 0.0).any() and errors.motion > MOTION:
+        return True  # what grows about the start need not go on growing, as on the way to a limit cycle
     return turned > SHALLOW and _passes_unstable_states(discrete, halved)
 
 
