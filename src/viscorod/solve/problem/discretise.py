@@ -48,7 +48,7 @@ def discretise(
     places = Placement(model, mesh, layout.spots)
     pattern, joints, supports = layout.pattern, layout.joints, layout.supports
     sets, mass, relaxation_times = element_sets(mesh, layout.sets)
-    refuse_massless_turns(model.bodies, mesh, mass, supports)
+    refuse_massless_turns(model.bodies, mesh, mass, supports, joints)
     nodal_loads, station_loads, motion_loads = place_loads(model, places)
     motions = [motion for _, _, motion in supports.motions] + [motion for _, motion in joints.motions]
     breakpoints, jumps, periods = _times(model, motions)
