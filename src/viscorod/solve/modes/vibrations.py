@@ -18,6 +18,7 @@ from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
 from viscorod.solve.modes.undamped import Undamped, resolved_modes, undamped_modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.statics.tangent import ALIKE
 from viscorod.typing import Floats
 
 __all__ = [
@@ -228,13 +229,20 @@ def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tu
     """
     shapes, rotations = station_motions(problem, state, increments)
     for k, (shape, turn) in enumerate(zip(shapes, rotations, strict=True)):
-        peak = shape.ravel()[np.argmax(np.abs(shape))]
+        peak = _peak(shape)
         if np.abs(peak) < TWISTING * problem.length * np.abs(turn).max():
-            peak = turn.ravel()[np.argmax(np.abs(turn))]
+            peak = _peak(turn)
         if peak == 0.0:  # only bodies move
             peak = 1.0
         shapes[k], rotations[k] = shape / peak, turn / peak
     return shapes, rotations
+
+
+def _peak(values: np.ndarray) -> complex:
+    """Return the largest of some components, the first one of those that are alike: round-off says which is larger."""
+    flat = values.ravel()
+    size = np.abs(flat)
+    return complex(flat[np.argmax(size >= (1.0 - ALIKE) * size.max())])
 
 
 def station_motions(problem: Problem, state: State, increments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
