@@ -12,9 +12,14 @@ from viscorod.casefile.case_reader import TABLES
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 
-__all__ = ["parts_of", "put", "put_all"]
+__all__ = ["keys_of", "parts_of", "put", "put_all"]
 
 _KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
+
+
+def keys_of(name: str) -> tuple[str, ...]:
+    """Return the keys of a number: "a, b" are two that are equal."""
+    return tuple(key.strip() for key in name.split(",") if key.strip())
 
 
 @lru_cache
