@@ -62,6 +62,7 @@ class March:
         state = State(problem.positions.copy(), problem.quaternions.copy(), np.zeros((n, 6)))
         if settle:
             StaticSolver(system, supports).solve(state)
+        given = {**method.parameters, **given}
         if method.tolerance is not None:
             given = {"tolerance": TIGHT} | given
         self.integrator = method.make(system, supports, **given)
