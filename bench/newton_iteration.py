@@ -27,6 +27,7 @@ from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.plan import plans
 from viscorod.solve.problem.discretise import discretise
+from viscorod.solve.transient.integrators import INTEGRATORS
 from viscorod.solve.transient.integrators.generalized_alpha import GeneralizedAlpha
 
 
@@ -45,7 +46,9 @@ def integrator_of(elements: int, order: int, rods: int = 1) -> GeneralizedAlpha:
         model.force(f"beam{k}.end", (0, 0.01, 0.005))
     problem = discretise(model)
     system = GeometricSystem(problem)
-    integrator = GeneralizedAlpha(system, SupportState(problem))
+    integrator = GeneralizedAlpha(
+        system, SupportState(problem), **INTEGRATORS["generalized_alpha"].parameters
+    )
     integrator.start(0.0, State.reference(problem))
     for k in range(1, 4):
         assert integrator.attempt(1e-3 * k, before=False).converged

@@ -1,4 +1,4 @@
-"""Draw the pages of docs/howto/view.md that have curves and modes, in a Chromium without a window; needs one."""
+"""Draw the pages of docs/howto/view.md, of a motion, of modes and of curves, in a Chromium without a window."""
 
 import importlib
 import sys
@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import viscorod as vr
+from viscorod.analyses.case_run import run_case
 
 ROOT = Path(__file__).parents[2]
 IMAGES = ROOT / "docs" / "images"
@@ -46,7 +47,7 @@ def drawn(browser: Any, folder: Path, result: Any, name: str, size: tuple[int, i
 
 
 def main() -> None:
-    """Draw both."""
+    """Draw them all."""
     sys.path.insert(0, str(ROOT / "tests"))
     chromium = importlib.import_module("helpers.chromium")
     modes = blade().modes(8, title="A rubber blade on a hub")
@@ -58,13 +59,15 @@ def main() -> None:
         frequencies=[90.0, 118.0],
         title=strip.title,
     )
-    print(modes.report(), motions.report(), sep="\n\n")
+    arm = run_case(vr.load_case(ROOT / "examples" / "soft_arm.toml"))
+    print(arm.report(), modes.report(), motions.report(), sep="\n\n")
     bent = next(k for k, name in enumerate(modes.names) if name.startswith("bend") and name.endswith(" 2"))
     still = "document.getElementById('play').click();"
     row = f"document.querySelectorAll('#modes tbody tr')[{bent}].click();{still}" + slid("s.min")
     hertz = motions.frequencies
     upper = slid(str(next(k for k in range(len(hertz) - 1) if hertz[k] > hertz[k + 1])))  # the first fold
     with tempfile.TemporaryDirectory() as place, chromium.opened(Path(place) / "profile") as browser:
+        drawn(browser, Path(place), arm, "view", (1360, 990), slid("0"))
         drawn(browser, Path(place), modes, "view_modes", (1400, 780), row)
         drawn(browser, Path(place), motions, "view_periodic", (1200, 1200), upper)
 

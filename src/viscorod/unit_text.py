@@ -99,7 +99,11 @@ def factor_of(unit: str) -> tuple[Fraction, Dimension]:
             f"{show(unit)} cannot be read as a unit", "write units as in 10 mm, 2 N/m^2"
         ) from None
     if zero.magnitude != 0:
-        raise RefusedError(f"{unit} is counted from an offset", "give the value in SI")
+        kelvin = one.is_compatible_with("kelvin")
+        raise RefusedError(
+            f"{unit} is counted from an offset",
+            f"give {'a difference, in K' if kelvin else 'the value in SI'}",
+        )
     items: Any = one.unit_items()
     powers = tuple(sorted((str(name), Fraction(power)) for name, power in items if power))
     magnitude: Any = one.magnitude  # a Fraction, as the registry was asked for

@@ -70,6 +70,10 @@ class Conversion:
     unit: str
 
 
+_TEMPERATURES = {"K", "°C", "degC", "C", "celsius", "kelvin", "°F", "degF"}
+"""Units of temperatures, which keys have in degrees C, as a plain number."""
+
+
 def looks_like_quantity(text: str) -> bool:
     """Say whether a text starts with a number."""
     return re.match(r"\s*[+-]?\.?\d", text) is not None
@@ -95,7 +99,8 @@ def si_value(text: str, unit: str, key: str) -> float:
             "a number in quotes has no unit", f"give {number} without quotes, in SI, or add the unit"
         )
     if unit == "1":
-        raise RefusedError(f"{key} has no unit", "give a plain number, without quotes")
+        warm = "degrees C as " if given.strip() in _TEMPERATURES else ""
+        raise RefusedError(f"{key} has no unit", f"give {warm}a plain number, without quotes")
     factor, dimension = factor_of(_ONLY_HERE.get((unit, given), given))
     wanted = factor_of(unit)[1]
     turns = _turns(dimension, wanted)

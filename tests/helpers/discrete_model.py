@@ -30,7 +30,7 @@ class DiscreteModel:
         retract(self.old.r, self.old.q, 0.2 * rng.normal(size=(n, 6)), self.old.r, self.old.q)
         self.increment = 0.3 * rng.normal(size=(n, 6))
         self.relation = Relation(7.0, rng.normal(size=(n, 6)), rng.normal(size=(n, 6)))
-        self.integrator = GeneralizedAlpha(self.system, self.supports)
+        self.integrator = GeneralizedAlpha(self.system, self.supports, spectral_radius=0.8)
         self.integrator.state = self.old
 
     def residual(self, increment, tangent=False):

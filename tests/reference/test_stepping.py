@@ -32,6 +32,8 @@ def test_steps_without_forces_are_one_run():
     assert run.energy.numerical_fraction < 1e-4
     assert run.time[-1] == system.time
     assert "1 s simulated" in flat(run.report())
+    assert any("not estimated in a co-simulation" in text for text in run.warnings)
+    assert not any("not estimated" in text for text in whole.warnings)
 
 
 def test_forces_at_a_port_do_work():

@@ -212,12 +212,12 @@ def test_errors_of_an_arch_that_snaps_are_told():
 
 @pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
 def test_grown_errors_are_told_with_few_states_and_from_disk(tmp_path):
-    """The second run is compared where states are stored: told errors depend little on where that is."""
+    """The second run is compared where states are stored and at the end, where errors that grow are largest."""
     model, given = chaotic()
     every, some = model.simulate(**given), model.simulate(**given, output_interval=0.3)
     stored = model.simulate(**given, folder=tmp_path / "run")
     assert stored.step_errors == every.step_errors
-    assert some.step_errors["position"] == pytest.approx(every.step_errors["position"], rel=0.5)
+    assert some.step_errors["position"] == pytest.approx(every.step_errors["position"], rel=0.01)
     assert every.mesh_errors["one"] > 1e-4  # 9e-6 where the motion makes no more of them
 
 

@@ -102,6 +102,16 @@ def test_names_tell_the_strain(tmp_path, storage, strain):
 
 
 @pytest.mark.parametrize(
+    ("beside", "strain"),
+    [("Shear Strain (%)", "shear"), ("Torque (mN m)", "shear"), ("Schubspannung (Pa)", "shear"), ("Strain (%)", None)],
+)  # fmt: skip
+def test_columns_beside_the_moduli_tell_the_strain_of_a_rheometer(tmp_path, beside, strain):
+    """Its storage modulus is G'; it was read as E', a third of it."""
+    text = f"f (Hz);Storage Modulus (Pa);Loss Modulus (Pa);{beside}\n1;2;3;4\n"
+    assert read_dma_table(written(tmp_path, text)).strain == strain
+
+
+@pytest.mark.parametrize(
     ("text", "message"),
     [
         ("", "no line names columns"),

@@ -13,6 +13,7 @@ import viscorod as vr
 from helpers.measured_files import STRIP, write_lengths
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.identification.case_numbers import case_with, number_at
+from viscorod.analyses.identification.case_predictions import CasePredictions
 from viscorod.analyses.identification.fit_file import load_fit
 from viscorod.analyses.identification.foretold import amplitude_sentences, swings_of
 from viscorod.analyses.identification.law_sentences import law_sentences
@@ -106,6 +107,35 @@ def test_of_samples_that_were_held_a_fit_takes_the_first():
     assert held[YOUNG].low < 1e6 < held[YOUNG].high
     assert held[YOUNG].value == pytest.approx(alone[YOUNG].value, rel=1e-6)
     assert not any("in a row" in one for one in alone.sentences)
+
+
+def test_slopes_at_the_estimate_are_exact():
+    """About the reference shape frequencies go with the root of E, ratios with that and the time, on one mesh.
+
+    Those of a swing with held steps are met by differences to both sides, extrapolated, but for what the iteration of
+    steps leaves in these.
+    """
+    case = modes_case()
+    true = run_case(case)
+    record = vr.ModesRecord(true.frequencies, true.damping_ratios)
+    unknowns = Unknowns([Unknown(YOUNG, 1e6, logarithmic=True), Unknown(BOTH, 0.02, logarithmic=True)])
+    modes = CasePredictions(members_of([(case, [record])]), unknowns, [])
+    slopes = modes.jacobian(np.array([1e6, 0.02])) * [1e6, 0.02]
+    hertz, ratios = np.split(modes.values(np.array([1e6, 0.02])), 2)
+    none = np.zeros(4)
+    exact = np.stack([np.append(hertz, ratios) / 2.0, np.append(none, ratios)], axis=1)
+    np.testing.assert_allclose(slopes, exact, atol=1e-8 * hertz[0])
+    tip = history(swing())
+    motion, at = CasePredictions(members_of([(swing(), [tip])]), unknowns, []), np.array([1.1e6, 0.025])
+    motion.hold(at)
+    found = motion.jacobian(at) * at
+    for k in range(2):
+        change = np.eye(2)[k] * at
+        once, twice = (
+            (motion.values(at + part * change) - motion.values(at - part * change)) / (2.0 * part)
+            for part in (1e-3, 5e-4)
+        )
+        np.testing.assert_allclose(found[:, k], (4.0 * twice - once) / 3.0, atol=1e-5 * np.abs(once).max())
 
 
 @pytest.fixture(scope="module")

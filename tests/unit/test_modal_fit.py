@@ -116,6 +116,15 @@ def test_command_for_modes_reads_columns_of_real_and_imaginary_parts(tmp_path):
     again = vr.load(tmp_path / "out/modes.nc")
     np.testing.assert_allclose(again.damping_ratios, expected.damping_ratios, rtol=1e-6)
     assert (tmp_path / "out/modes.png").stat().st_size > 10_000
+    other = tmp_path / "other.csv"
+    other.write_bytes(file.read_bytes())
+    command = ["damping", "modes", str(file), str(other), "--value", "re1,im1", "-o", str(tmp_path / "two")]
+    assert CliRunner().invoke(app, command).exit_code == 0
+    assert vr.load(tmp_path / "two/modes.nc").data["record_name"].values.tolist() == [file.name, other.name]
+    asked = CliRunner().invoke(app, ["damping", "modes", str(file)])
+    assert asked.exit_code != 0
+    assert "the columns of" in asked.output
+    assert "2 re1" in asked.output
     refused = CliRunner().invoke(app, ["damping", "modes", str(file), "--value", "re9"])
     assert refused.exit_code == 2
     assert "no column has this name" in refused.output

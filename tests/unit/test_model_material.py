@@ -145,3 +145,24 @@ def test_a_misspelt_key_is_told_with_the_right_one():
 def test_materials_cannot_be_changed():
     with pytest.raises(ValueError, match="frozen"):
         material(0.3).density = 2.0
+
+
+@pytest.mark.parametrize(
+    ("damping", "kind"),
+    [
+        ({"extension": 0.01, "band": ["1 Hz", "200 Hz"]}, "loss_factor"),
+        ({"loss_factor": 0.01}, "loss_factor"),  # the word for the kind as a key
+        ({"extension_ratios": [0.1], "extension_times": [0.1]}, "prony"),
+        ({"file": "dma.csv"}, "complex_moduli"),
+    ],
+)
+def test_damping_without_its_kind_is_told_the_kind(damping, kind):
+    with pytest.raises(
+        InputError, match=rf"^Material.damping.kind: this key is missing, .*; add kind = '{kind}'$"
+    ):
+        Material(2.0e6, 0.3, 1100.0, damping=damping)
+
+
+def test_a_misspelt_key_of_the_usual_damping_is_no_other_kind():
+    with pytest.raises(InputError, match="did you mean shear_time"):
+        Material(2.0e6, 0.3, 1100.0, damping={"sheartime": 0.1, "bulk_time": 0.1})

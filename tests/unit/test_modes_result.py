@@ -3,6 +3,7 @@
 import re
 
 import numpy as np
+import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
@@ -146,3 +147,20 @@ def test_what_was_assumed_of_the_damping_stands_beside_its_ratios():
         assert text.count(f"rods left, right: {sentence}") == 1
     assert re.search(r"loss modulus by \S+ %", text)
     assert 'law = "maxwell" follows the table' in text  # what would help
+
+
+@pytest.mark.parametrize("modulus", [2e11, 7e10, 1.1e11, 3e9])
+def test_the_sign_of_a_shape_with_two_equal_maxima_is_not_round_off(modulus):
+    """The second bending mode of a beam on two supports has peaks of opposite signs: the first one is positive."""
+    model = vr.Model()
+    material = vr.Material(modulus, 0.3, 2000.0)
+    section = vr.Rectangle(0.02, 0.01)
+    model.add("beam", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, material=material, elements=4))
+    model.support("beam.start", ("ux", "uy", "uz", "rx"))
+    model.support("beam.end", ("uy", "uz"))
+    found = model.modes(4)
+    for shape in found.shapes:
+        across = shape[:, np.abs(shape).max(axis=0).argmax()].real
+        peaks = np.flatnonzero(np.abs(across) > 1.0 - 1e-6)
+        assert across[peaks[0]] == pytest.approx(1.0)
+    assert sum(np.sum(np.abs(shape) > 1.0 - 1e-6) > 1 for shape in found.shapes) == 2

@@ -111,6 +111,10 @@ def test_modes_static_loads_and_moduli():
     angle = np.array([0.25, 0.5]) * 1.2
     expected = LENGTH * (1.0 - np.cos(angle)) / angle
     assert loads.predicted(path, {"beam.end.offset": 1e-3}) == pytest.approx(expected + 1e-3, rel=1e-9)
+    turned = vr.StaticRecord(
+        [1.0, 2.0], [0.0, 0.0], place="beam.end", quantity="rotation", direction="z", full_load=4.0
+    )
+    assert turned.predicted(path) == pytest.approx(angle, rel=1e-9)
     with pytest.raises(
         vr.InputError, match=r"0\.1 to 1 of full_load = 1, and the equilibria go from 0\.25 to 1"
     ):

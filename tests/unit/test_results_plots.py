@@ -118,6 +118,14 @@ def test_unknown_format_is_an_input_error(tmp_path):
         Equilibrium(rolled_up()).plot(tmp_path / "shape.docx")
 
 
+@pytest.mark.parametrize("place", ["beam.end", "beam@0.1", "beam"])
+def test_a_place_in_the_place_of_the_file_is_told_its_name(place):
+    with pytest.raises(
+        InputError, match="The first argument is the file; a place is given by its name, place ="
+    ):
+        Run(swing(duration=4.0)).plot_phase(place)
+
+
 def test_view_is_the_plane_of_the_motion():
     points = np.random.default_rng(1).normal(size=(5, 7, 3))
     assert View.of(points).name == "in space"

@@ -299,3 +299,17 @@ def test_a_rod_that_loads_carry_off_beyond_all_numbers_is_none():
     """Displacements per load whose squares overflow need a stiffness that is no quantity in SI units."""
     with pytest.raises(vr.InputError, match="smaller than any quantity in SI units"):
         vr.StiffnessSection([1e-160] * 6, [1, 1, 1, 1e-2, 1e-2, 2e-2])
+
+
+def test_a_rod_that_is_torn_is_told_by_its_place():
+    """Two rods, one of them pulled far beyond its stiffness by the loads at its end: no imbalance ends that motion."""
+    model = model_of()
+    model.clamp("beam.start")
+    model.add("strong", vr.Rod.straight((0, 0, 0), (0, 1, 0), section=rod().section, elements=1, order=2))
+    model.clamp("strong.start")
+    model.force("beam.end", (1e6, 0, 0), time=vr.Ramp(0.0, 1.0))
+    with pytest.raises(vr.SolveError, match="a hundred times its length") as error:
+        model.simulate(5.0, initial="reference")
+    assert re.search(r"The largest shear or stretch is that of beam@[01]", flat(str(error.value)))
+    assert "imbalance" not in str(error.value)
+    assert error.value.run.time[-1] > 0.0

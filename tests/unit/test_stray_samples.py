@@ -100,3 +100,20 @@ def test_noise_steps_and_smooth_motions_have_no_stray_samples():
         np.sin(2.0 * np.pi * np.arange(400) / 8.3),
     ):
         assert not dropouts(values).any()
+
+
+@pytest.mark.parametrize(("gap", "size", "phase"), [(0.4, 0.6, 1.0), (0.7, 0.6, 2.8), (0.25, 0.3, -1.5)])
+def test_a_second_blow_within_a_few_cycles(gap, size, phase):
+    """Both swings die out at 0.01; together they were fitted as 0.033 and 0.017, outside of their intervals."""
+    times, rate = np.arange(2000) / 200.0, 8.0 * np.pi
+
+    def swing(t, phase):
+        return np.where(
+            t < 0.0, 0.0, np.exp(-0.01 * rate * t) * np.cos(np.sqrt(1.0 - 1e-4) * rate * t + phase)
+        )
+
+    values = swing(times - 0.5, 0.3) + size * swing(times - 0.5 - gap, phase)
+    found = vr.decay(times, values + 4e-3 * np.random.default_rng(5).standard_normal(2000))
+    assert abs(found.damping_ratios[0] - 0.01) < 2.0 * float(found.data.damping_ratio_width[0]) < 2e-4
+    assert [one for one in found.warnings if "it swings otherwise than later, as after a second blow" in one]
+    assert found.data.time[0] > 0.5 + gap

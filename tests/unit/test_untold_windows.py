@@ -109,3 +109,14 @@ def test_before_its_start_a_window_weighs_nothing():
     before = TIMES <= 1.0
     np.testing.assert_array_equal(record.values[before], swing()[before])
     np.testing.assert_allclose(record.values[-1], swing()[-1] * np.exp(4.0))
+
+
+def test_a_record_of_which_next_to_nothing_is_explained_is_named():
+    """A gauge along the wrong axis sees a tenth of its noise: the search ends anywhere, and what is left is white."""
+    still = vr.Record(TIMES[:100], np.zeros(100), **ABOUT)
+    clean = still.predicted(BAR.model(vr.Model).simulate(1.0, tolerance=1e-6))
+    noise = np.std(clean) * np.random.default_rng(7).normal(size=100)
+    record = vr.Record(TIMES[:100], 0.1 * clean + noise, **ABOUT)
+    wrong = vr.identify(BAR, record, {MODULUS: 1.02e8}, profile=False)
+    (told,) = [one for one in wrong.sentences if "% of the variance of beam.end: next to all of it is" in one]
+    assert "Is beam.end, displacement y its place and direction?" in told

@@ -437,3 +437,20 @@ def test_names_do_not_run_under_the_buttons_and_controls_keep_to_two_rows(shown)
     assert bottom - top < 50.0
     assert play >= top
     assert page.errors == []
+
+
+def test_labels_in_space_keep_off_legend_and_buttons_on_a_telephone(shown):
+    """The force is above the middle, where at 420 px several rows of names stand."""
+    page = shown(
+        moving(), beside={"out/of/a/folder/that/has/a/long/name/run.nc": moving()}, width=420, height=500
+    )
+    page.run("document.querySelector('[data-look=z]').click()")
+    page.drawn()
+    box = "((e) => { const b = e.getBoundingClientRect(); return [b.left, b.right, b.top, b.bottom]; })"
+    labels = page.run(f"[...document.querySelectorAll('#labels span')].filter(s => !s.hidden).map({box})")
+    others = page.run(f"[...document.querySelectorAll('#legend span, #look button')].map({box})")
+    assert len(labels) == 3
+    for left, right, top, bottom in labels:
+        for other_left, other_right, other_top, other_bottom in others:
+            assert right <= other_left or other_right <= left or bottom <= other_top or other_bottom <= top
+    assert page.errors == []

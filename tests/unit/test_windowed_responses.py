@@ -164,8 +164,35 @@ def test_a_mean_over_noise_that_nobody_told_is_spoken_of(noise):
         return [text for text in warnings if "a mean over noise (H1)" in text]
 
     (text,) = said(averaged)
+    assert not said(averaged, excitation="blow")
     assert ("say that" if noise < 0.01 else "do not tell whether") in text
     assert "if they are, give excitation='noise'" in text
     assert not said(averaged, excitation="noise")
     if noise < 0.01:
         assert not said(blow)
+
+
+def test_intervals_reach_to_the_ratios_of_either_excitation_if_nobody_told_it():
+    """Means over noise: of 12 intervals at least 10 hold the truth (0.98); told to be a blow they are too narrow.
+
+    They held it 14 times of 30. Where lines say that it was a blow intervals stay as they are.
+    """
+    inside, blow_inside = 0, 0
+    truth = np.array([mode[1] for mode in MODES])
+    for seed in range(4):
+        random = np.random.default_rng(seed).normal(size=(2, 352))
+        hertz, lines = weighed(CASES["none of noise"][0])
+        lines = lines + 0.01 * np.abs(lines).max() * (random[0] + 1j * random[1])
+        for about in ({}, {"excitation": "blow"}):
+            found = vr.modal_fit(vr.ResponseRecord(hertz, lines, **about)).data
+            off = np.abs(found["damping_ratio"].values - truth) < found["damping_ratio_width"].values
+            inside, blow_inside = (
+                inside + int(off.sum()) * (not about),
+                blow_inside + int(off.sum()) * bool(about),
+            )
+    assert inside >= 10 > blow_inside
+    hertz, lines = weighed(np.ones(len(TIMES)), 1e-3)
+    untold, told = (
+        vr.modal_fit(vr.ResponseRecord(hertz, lines, **about)).data for about in ({}, {"excitation": "blow"})
+    )
+    np.testing.assert_allclose(untold["damping_ratio_width"], told["damping_ratio_width"], rtol=1e-12)

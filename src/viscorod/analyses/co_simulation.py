@@ -10,10 +10,11 @@ import numpy as np
 
 from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.discrete import DiscreteModel
-from viscorod.analyses.motion_attributes import described
+from viscorod.analyses.motion_attributes import blows, described, failure, keep
 from viscorod.analyses.motion_start import MotionStart, initial_state
 from viscorod.analyses.motion_stepping import integrator_makers, stepping
 from viscorod.analyses.provenance import provenance
+from viscorod.analyses.touching_coils import touching_in
 from viscorod.argument_names import known_arguments
 from viscorod.checks import checked
 from viscorod.errors import InputError, SolveError
@@ -33,6 +34,11 @@ from viscorod.solve.transient.transient_solver import Transient
 from viscorod.typing import Floats
 
 __all__ = ["CoSimulation"]
+
+NOT_ESTIMATED = (
+    "errors of steps and of the mesh are not estimated in a co-simulation; model.simulate with similar forces as loads "
+    "tells them"
+)
 
 
 @known_arguments
@@ -158,12 +164,7 @@ class CoSimulation:
                 self._fail()
 
     def _fail(self) -> None:
-        result = self._transient.result
-        assert result.report is not None
-        message = (
-            f"The motion could not be followed beyond t = {self.time:.6g} s: {result.outcome.value}."
-            f"{self._discrete.where(result.report)} What to try: {result.outcome.advice(static=False)}."
-        )
+        result, message = self._transient.result, failure(self._discrete, self._transient)
         raise SolveError(message, self._run(result.outcome, message))
 
     # --- out
@@ -229,14 +230,21 @@ class CoSimulation:
     # --- the end
 
     def run(self) -> Run:
-        """Return the motion so far."""
+        """Return the motion so far; its warnings tell what is doubtful, and that errors are not estimated."""
         return self._run(Outcome.COMPLETED, "")
 
     def _run(self, outcome: Outcome, message: str) -> Run:
         self._transient.update_counts()
         attrs: dict[str, Any] = {**self._chosen, "message": message}
         attrs |= described(self._discrete, self._transient, self.settings, outcome)
-        return Run(self._discrete.data_set("simulate", self._transient.result.history, attrs)())
+        problem, history = self._discrete.problem, self._transient.result.history
+        for doubt in (
+            NOT_ESTIMATED,
+            blows(problem),
+            *touching_in(self._discrete.model.rods, problem, history, "at {:.4g} s"),
+        ):
+            keep(attrs, doubt)
+        return Run(self._discrete.data_set("simulate", history, attrs)())
 
 
 def _entry(wrench: Floats, component: int) -> FunctionOfTime:

@@ -16,6 +16,7 @@ from viscorod.analyses.motion_errors import tell_errors
 from viscorod.analyses.motion_events import monitors
 from viscorod.analyses.motion_start import MotionStart, held_part, initial_state
 from viscorod.analyses.motion_stepping import (
+    follows_vibrations,
     halved_steps,
     integrates_strains,
     integrator_makers,
@@ -138,7 +139,8 @@ class _Computation:
         discrete, settings = self.discrete, self.settings
         state, text = initial_state(discrete, settings)
         start = MotionStart(discrete, settings, state)
-        if discrete.watch.affordable or settings.events or settings.modes or settings.dynamics == "linear":
+        judged = discrete.watch.affordable or settings.events or settings.modes
+        if judged or settings.dynamics == "linear" or follows_vibrations(settings):
             start.small_motions()
         else:
             discrete.static.restore(state, 0.0, before=True, scale=held_part(settings))

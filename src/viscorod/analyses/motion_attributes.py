@@ -89,12 +89,24 @@ def failure(discrete: DiscreteModel, transient: Transient) -> str:
         return f"Stopped at t = {transient.integrator.t:.6g} s: {result.reason}"
     if result.outcome is not Outcome.COMPLETED:
         assert result.report is not None
+        broken = result.outcome is Outcome.BROKEN
+        place = _torn(discrete, transient) if broken else discrete.where(result.report)
+        failed = "" if broken else f" (a step to {result.failed_at:.6g} s failed)"
         return (
-            f"The motion could not be followed beyond t = {transient.integrator.t:.6g} s "
-            f"(a step to {result.failed_at:.6g} s failed): {result.outcome.value}.{discrete.where(result.report)} "
-            f"What to try: {result.outcome.advice(static=False)}."
+            f"The motion could not be followed beyond t = {transient.integrator.t:.6g} s{failed}: "
+            f"{result.outcome.value}.{place} What to try: {result.outcome.advice(static=False)}."
         )
     return ""
+
+
+def _torn(discrete: DiscreteModel, transient: Transient) -> str:
+    """Say in a sentence where shear and stretch of a rod are largest: no imbalance ended such a motion."""
+    points = discrete.system.gauss_positions()
+    strain = np.abs(transient.integrator.snapshot().strain[:, :3]).max(axis=1)
+    k = int(np.nanargmax(strain)) if np.isfinite(strain).any() else 0
+    return (
+        f" The largest shear or stretch is that of {discrete.problem.rods[points.rod[k]]}@{points.s[k]:.6g}."
+    )
 
 
 def tell(attrs: MutableMapping[str, Any], doubt: str) -> None:

@@ -78,7 +78,7 @@ def stepping(
     method = INTEGRATORS[settings.integrator]
     duration = settings.duration
     tolerance: float | Tolerance | None = settings.tolerance
-    if tolerance is None and method.tolerance is not None:
+    if follows_vibrations(settings):
         tolerance = PartOfMotion(discrete.supports, linear(), duration)
     given: dict[str, Any] = dict(method.parameters)
     given |= {name: getattr(settings, name) for name in given if getattr(settings, name) is not None}
@@ -101,6 +101,11 @@ def stepping(
             seen = Participation(natural_frequencies(linear(), SEEN), 0.0)
         step = choose_time_step(discrete.problem, seen.vibrations[:SEEN], duration, seen.rigid)
     return make(**given), FixedSteps(step), given | {"time_step": step}
+
+
+def follows_vibrations(settings: SimulateSettings) -> bool:
+    """Return whether small motions about the start say what steps may err by."""
+    return settings.tolerance is None and INTEGRATORS[settings.integrator].tolerance is not None
 
 
 def _unjudged(integrator: Integrator) -> Integrator:

@@ -70,6 +70,8 @@ def is_needed(
     free = halved.modes.rigid.shape[1] > 0
     if (free and turned > TURNED) or (turned > BENT and errors.motion > MOTION):
         return True
+    if (halved.modes.decay < 0.0).any() and errors.motion > MOTION:
+        return True  # what grows about the start need not go on growing, as on the way to a limit cycle
     return turned > SHALLOW and _passes_unstable_states(discrete, halved)
 
 
@@ -182,15 +184,15 @@ def _sharpen(integrator: Integrator, control: StepControl) -> None:
 
 
 def _times(settings: SimulateSettings, end: float) -> Floats:
-    """Return equal times at which both runs are compared ``(k,)`` [s]: stored ones where not every step is stored."""
+    """Return times at which both runs are compared ``(k,)`` [s]: equal ones, stored where not all is, and the end."""
     interval = settings.output_interval
     if interval is None:
         return np.arange(1.0, INSTANTS + 1.0) * (end / INSTANTS)
     count = int(end / interval * (1.0 + 1e-12) + 1e-9)
-    if not count:
-        return np.array([end])
     every = max(1, -(-count // INSTANTS))
-    return np.arange(1.0, count // every + 1.0) * (every * interval)
+    times = np.arange(1.0, count // every + 1.0) * (every * interval)
+    # errors that grow are largest there
+    return times if count and times[-1] > end * (1.0 - 1e-9) else np.append(times, end)
 
 
 def _apart(discrete: DiscreteModel, run: Run, second: SecondRun) -> tuple[Floats, Floats]:

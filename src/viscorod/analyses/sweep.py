@@ -21,6 +21,7 @@ from viscorod.analyses.sweeps.member_work import Job, MemberWork
 from viscorod.analyses.sweeps.process_start import prepare
 from viscorod.analyses.sweeps.processes import UNTOUCHED, hired
 from viscorod.analyses.sweeps.rows import Columns, Values, rows_of
+from viscorod.analyses.sweeps.same_values import alike, alike_note
 from viscorod.analyses.sweeps.stopping import stopping
 from viscorod.argument_names import telling
 from viscorod.casefile.case import Case, load_case
@@ -66,6 +67,7 @@ def sweep(
 
     Whole results are kept where no quantities are asked for. They are stored at common times then: every
     ``output_interval`` of the case, or 200 times where it gives none. A member that fails does not stop the others.
+    Members with the same values are computed once.
     In a script with more than one process the call must stand under ``if __name__ == "__main__":``, as processes that
     start import the script.
 
@@ -127,6 +129,8 @@ def sweep(
     for k in [k for k in chosen if retry and k in found and not found.is_completed(k)]:
         del found[k]
     due = [k for k in chosen if k not in found]
+    same = alike(rows, due)
+    due = [k for k in due if k not in same]
     # what is there already was looked at before
     some = list(dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])]))
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)
@@ -136,10 +140,10 @@ def sweep(
     said, read = checked(work, {k: rows[k] for k in (some if alone else some[:FEW])})
     if said.problems and not alone:  # all that is wrong is told at once, and no process starts for it
         said, read = checked(work, {k: rows[k] for k in some})
-    require_right(case, said, rows, some)
+    require_right(case, said, rows, some, same)
     rows.units = units_of(case, rows) | {one.name: one.unit for one in wanted if one.unit}
     few = [f"errors are estimated for {len(looked)} of {len(rows)} members (errors)"]
-    jobs = _Jobs(rows, names, looked, read if here else {})
+    jobs = _Jobs(rows, names, {same.get(k, k) for k in looked}, read if here else {})
     del read
 
     def recover(numbers: Sequence[int]) -> Mapping[int, Found]:
@@ -159,7 +163,8 @@ def sweep(
 
     def begin() -> None:
         """Say what is computed, when nothing can be refused any more."""
-        notes.extend([*said.notes, *(few if errors is None and len(looked) < len(rows) else [])])
+        estimated = few if errors is None and len(looked) < len(rows) else []
+        notes.extend([*said.notes, *estimated, *alike_note(same)])
         if store is not None:
             store.begin(case.title, rows, names, notes, numbers)
         told(0.0)
@@ -181,9 +186,12 @@ def sweep(
             require_sendable(work)
             with hired(work, len(rows), min(count, len(due))) as crew:
                 said.add(crew.look({k: rows[k] for k in some[FEW:]}, stop))
-                require_right(case, said, rows, some)
+                require_right(case, said, rows, some, same)
                 begin()
                 crew.work(jobs, due, found, stop, told, died)
+        for k, one in same.items():
+            if one in found:
+                found[k] = found[one]
         stopped = stop.is_set()
     result = Sweep(SweepMembers(rows, found), case.title, notes)
     found.stop = None  # it is over, and a sweep can be copied

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import copy
 import re
+from collections.abc import Mapping
 from functools import lru_cache
 from typing import Any
 
@@ -10,9 +12,14 @@ from viscorod.casefile.case_reader import TABLES
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import did_you_mean, show, some_of
 
-__all__ = ["parts_of", "put"]
+__all__ = ["keys_of", "parts_of", "put", "put_all"]
 
 _KEY = re.compile(r"(?:^|\.)(?P<word>[\w-]+)|\[(?P<index>\d+)\]")
+
+
+def keys_of(name: str) -> tuple[str, ...]:
+    """Return the keys of a number: "a, b" are two that are equal."""
+    return tuple(key.strip() for key in name.split(",") if key.strip())
 
 
 @lru_cache
@@ -27,6 +34,19 @@ def parts_of(key: str) -> tuple[str | int, ...]:
         why, instead = "this is not a key of a case file", 'write "rods.beam.elements" or "loads[0].value"'
         raise InputError(Fault("values", show(key), why, instead))
     return tuple(parts)
+
+
+def put_all(content: dict[str, Any], values: Mapping[str, Any]) -> None:
+    """Set keys of a case file's content: whole tables and lists before what is within them, so that both count.
+
+    The values stay as they are.
+
+    Raises:
+        InputError: something on the way to one is not there.
+    """
+    for key in sorted(values, key=lambda key: len(parts_of(key))):
+        value = values[key]
+        put(content, key, copy.deepcopy(value) if isinstance(value, list | dict) else value)
 
 
 def put(content: dict[str, Any], key: str, value: Any) -> None:

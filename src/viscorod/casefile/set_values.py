@@ -9,7 +9,7 @@ from dataclasses import replace
 from typing import Any
 
 from viscorod.casefile.case import Case, case_from_dict
-from viscorod.casefile.case_keys import put
+from viscorod.casefile.case_keys import put_all
 
 __all__ = ["with_values"]
 
@@ -27,7 +27,6 @@ def with_values(case: Case, values: Mapping[str, Any]) -> Case:
     if not values:
         return case
     content = copy.deepcopy(dict(case.content))
-    for key, value in values.items():
-        put(content, key, value)
+    put_all(content, values)
     changed = case_from_dict(content, case.source, case.text)
     return replace(changed, changes=json.dumps({**values}))

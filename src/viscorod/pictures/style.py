@@ -140,8 +140,14 @@ def write(picture: Figure, path: str | Path) -> Path:
     path = Path(path)
     known = sorted(picture.canvas.get_supported_filetypes())
     if path.suffix[1:].lower() not in known:
+        like_a_place = path.suffix in ("", ".start", ".end") or "@" in path.name
         raise InputError(
             f"{path}: the suffix {path.suffix!r} is not a picture format; use .{', .'.join(known)}"
+            + (
+                ". The first argument is the file; a place is given by its name, place = ..."
+                if like_a_place
+                else ""
+            )
         )
     with replacing(path) as new:
         picture.savefig(new)

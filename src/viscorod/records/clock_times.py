@@ -1,4 +1,4 @@
-"""Times of day and dates, as loggers stamp their samples, in seconds from the first."""
+"""What begins again: times of day and dates, as loggers stamp their samples, in seconds from the first; angles."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.typing import Floats
 
-__all__ = ["clock_seconds", "is_clock_time", "is_date", "since_first"]
+__all__ = ["clock_seconds", "is_clock_time", "is_date", "since_first", "turned_on"]
 
 _CLOCK = re.compile(
     r"\s*(?:(?P<date>\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2})[ T]\s*)?"
@@ -23,6 +23,8 @@ _DATE = re.compile(
 )
 DAY = 86400.0
 """Seconds."""
+LEAST_JUMP = 1.5 * np.pi
+"""Way of an angle between two samples, rad, from which on it has begun again: no swing is sampled that coarsely."""
 
 
 def is_clock_time(cell: str) -> bool:
@@ -73,3 +75,8 @@ def since_first(values: Any) -> Floats | None:
         return None
     seconds = array.astype("timedelta64[ns]").astype(np.int64) * 1e-9
     return np.asarray(np.where(np.isnat(array), np.nan, seconds))
+
+
+def turned_on(quantity: str, values: Floats) -> Floats:
+    """Return values of a history (n,); angles that begin again after a whole turn are counted on."""
+    return np.unwrap(values, discont=LEAST_JUMP) if quantity == "rotation" else values

@@ -15,9 +15,15 @@ __all__ = ["COUNTS", "is_unit", "name_and_unit", "si_factor", "si_size_and_kind"
 GRAVITY = 9.80665
 """m/s^2 of the unit g of accelerometers."""
 _BRACKETS = re.compile(
-    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*(?:\([^()]*\)[^()]*)*)\)|\s+in\s+(?P<d>\S+)|\s*/\s*(?P<c>[^/\s].*))$"
+    r"^(?P<name>.*?)\s*(?:[\[{<](?P<a>[^\[\]{}<>]*)[\]}>]|\((?P<b>[^()]*(?:\([^()]*\)[^()]*)*)\)|\s+in\s+(?P<c>\S+))$"
 )
 _PLAIN = {"-": "1", "": "", "1": "1", **dict.fromkeys(("sec", "Sec", "seconds", "Seconds", "sec."), "s")}
+_TIMES = {
+    word + end: unit
+    for word, unit in (("second", "s"), ("millisecond", "ms"), ("microsecond", "us"), ("minute", "min"))
+    for end in ("", "s")
+}
+"""Names of columns of times that are units: "Second", "seconds_elapsed"."""
 _SPELT = {
     **{"m/s2": "m/s^2", "m/s²": "m/s^2", "mm/s2": "mm/s^2", "mm/s²": "mm/s^2", "um": "µm"},
     **dict.fromkeys(("ue", "µe", "µm/m", "um/m", "microstrain", "microstrains"), "ustrain"),
@@ -46,8 +52,12 @@ COUNTS = (
     "counts",
     "digits",
     "LSB",
+    "mV/V",
+    "µV/V",
+    "uV/V",
+    "V/V",
 )
-"""What cameras and amplifiers give, of which only the user knows the size."""
+"""What cameras, amplifiers and bridges of gauges give, of which only the user knows the size."""
 
 
 def si_factor(source: str, column: str, written: str, unit: str) -> float:
@@ -144,15 +154,21 @@ def name_and_unit(cell: str) -> tuple[str, str | None]:
     text = cell.strip().lstrip("#%").strip()
     if len(text) > 1 and text[0] == text[-1] == '"':
         text = text[1:-1]
+    for stroke in re.finditer(r"\s*/\s*", text):
+        name, unit = text[: stroke.start()], text[stroke.end() :]
+        if name and (_is_unit(unit) or unit.startswith("dB")):
+            return name, unit
     found = _BRACKETS.match(text)
     if found:
-        unit = next(part for part in (found["a"], found["b"], found["c"], found["d"]) if part is not None)
-        if found["c"] is None or _is_unit(unit) or unit.startswith("dB"):
-            return found["name"].strip(), _PLAIN.get(unit.strip(), unit.strip()) or None
+        unit = next(part for part in (found["a"], found["b"], found["c"]) if part is not None)
+        return found["name"].rstrip(" /"), _PLAIN.get(unit.strip(), unit.strip()) or None
     for mark in (",", "_", " "):
         name, _, unit = text.rpartition(mark)
         if name and (_is_unit(unit.strip()) or (mark == "_" and unit in COUNTS)):
             return name.strip(), unit.strip()
+    spelt = next((word for word in re.split(r"[_ ]", text) if word.lower() in _TIMES), None)
+    if spelt is not None and len(re.split(r"[_ ]", text)) <= 2:
+        return text, _TIMES[spelt.lower()]
     two = re.fullmatch(r"(.+?)[_ ](mm?|cm|[km]?N|um|µm)_(s2?)", text)
     if two:
         return two[1], f"{two[2]}/{two[3].replace('s2', 's^2')}"

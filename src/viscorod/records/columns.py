@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
+from viscorod.records.clock_times import is_date
 from viscorod.records.column_units import COUNTS, name_and_unit, si_factor, weight_of
 from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
@@ -187,6 +188,11 @@ class Columns:
                 raise self._refused(
                     self.names[k] or f"column {k + 1}", cell, f"line {line}: of a phase its unit is needed",
                     "write it beside the number, such as 1.2@45deg, or magnitude and phase in two columns",
+                )  # fmt: skip
+            if is_date(cell):
+                raise self._refused(
+                    self.names[k] or f"column {k + 1}", cell, f"line {line}: dates say no time of day",
+                    "give the column of the times of day as time, such as time='Time'",
                 )  # fmt: skip
             raise InputError(
                 Fault(

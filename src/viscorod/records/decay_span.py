@@ -26,6 +26,10 @@ MUCH_LEFT, LEFT_BEFORE = 0.1, 0.3
 """What a fit leaves over the amplitude from which on a second motion is looked for, and what it leaves before that."""
 LEVELS = 2.0
 """Steps of a coarse record that a swing has at least where it is fitted."""
+EARLY = (1.0, 2.0, 3.0, 4.0, 6.0)
+"""Cycles from the first sample within which a second blow, or a hand that still touches, is looked for."""
+EARLY_LEFT, EARLY_LESS = 0.02, 0.3
+"""What a fit leaves over the amplitude from which on that is done, and the part that a later start leaves of it."""
 GROWN, GROWN_TO = 1.8, 0.25
 """Growth of the level of a period within two periods that is a second motion, and its size over the first level."""
 
@@ -40,6 +44,7 @@ class DecaySpan:
         stray: samples of the part that were left out.
         again: time at which a second motion begins, s, or None.
         held: samples that each value of the record stood for, of which the first was taken.
+        other: time until which it swings otherwise than later, s, or None.
     """
 
     record: Record
@@ -49,6 +54,7 @@ class DecaySpan:
     stray: int = 0
     again: float | None = None
     held: int = 1
+    other: float | None = None
 
     @classmethod
     def of(cls, record: Record, start: float | None, end: float | None) -> DecaySpan:
@@ -89,9 +95,32 @@ class DecaySpan:
         if sudden is not None:
             part = self.part.window(first, first + sudden)
             return replace(self, part=part, end_given=True, again=first + sudden)
+        later = None if self.begin_given else self._later_start(fit, modes)
+        if later is not None:
+            return replace(self, part=later, begin_given=True, other=float(later.times[0]))
         sunk = _sunk(fit)
         if not self.end_given and sunk < self.part.times[-1] - first:
             return replace(self, part=self.part.window(first, first + sunk), end_given=True)
+        return None
+
+    def _later_start(self, fit: SineFit, modes: int | None) -> Record | None:
+        """Return the part from a few cycles later on where that alone is a decay; None if it is no better.
+
+        Where the damping depends on the amplitude a later start leaves a little less, and no white noise.
+        """
+        strongest = int(np.argmax(np.abs(fit.amplitudes)))
+        if fit.is_white or fit.noise < EARLY_LEFT * float(np.abs(fit.amplitudes[strongest])):
+            return None
+        period = 2.0 * np.pi / float(fit.poles[strongest].imag)
+        first, last = float(self.part.times[0]), float(self.part.times[-1])
+        for cycles in EARLY:
+            begin = first + cycles * period
+            if np.count_nonzero(self.part.times >= begin) < FEWEST or last - begin < EARLY[-1] * period:
+                return None
+            later = self.part.window(begin, last)
+            found = best_fit(later.times, later.values, modes)
+            if found is not None and found.is_white and found.noise < EARLY_LESS * fit.noise:
+                return later
         return None
 
     def notes(self) -> list[str]:
@@ -108,6 +137,11 @@ class DecaySpan:
             found.append(
                 f"something sets it in motion again after {self.again:.4g} s, or samples are missing there: the record "
                 "is used up to there; give start for the second decay"
+            )
+        if self.other is not None:
+            found.append(
+                f"until {self.other:.4g} s it swings otherwise than later, as after a second blow or under a hand that "
+                "still touches it: the record is used from there on; give start to choose another time"
             )
         return found
 

@@ -80,13 +80,13 @@ class LineShape:
         return np.concatenate([first, later / np.sqrt(left)])
 
 
-def line_shape(window: str | None, decay: float | None, excitation: str, step: float) -> LineShape:
+def line_shape(window: str | None, decay: float | None, excitation: str | None, step: float) -> LineShape:
     """Return the shape that a window makes.
 
     Args:
         window: None, "exponential" or "hann".
         decay: time constant of an exponential one, s.
-        excitation: "blow" or "noise".
+        excitation: "blow", as which None counts, or "noise".
         step: between lines, Hz.
     """
     if excitation == "noise":

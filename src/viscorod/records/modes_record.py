@@ -178,10 +178,10 @@ class ModesRecord(AnyRecord):
         Raises:
             InputError: the result has too few modes, or none of a name.
         """
-        names = list(result.names)
-        found = []
+        count, found = len(result.frequencies), []
         for one in self.modes:
             if isinstance(one, str):
+                names = list(result.names)  # which takes their shapes
                 if one not in names:
                     raise InputError(
                         f"record {self.name}: no mode is called {one!r}; there are {', '.join(names)}"
@@ -189,9 +189,9 @@ class ModesRecord(AnyRecord):
                 found.append(names.index(one))
             else:
                 found.append(int(result.rigid) + one - 1)
-        if max(found) >= len(names):
+        if max(found) >= count:
             raise InputError(
-                f"record {self.name}: it has mode {max(found) + 1}, and the result {len(names)} modes; ask for more"
+                f"record {self.name}: it has mode {max(found) + 1}, and the result {count} modes; ask for more"
             )
         return found
 

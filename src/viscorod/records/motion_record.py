@@ -10,6 +10,7 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
+from viscorod.records.clock_times import turned_on
 from viscorod.records.history_unknowns import unknowns_of_a_history
 from viscorod.records.other_files import columns_of
 from viscorod.records.read_off import (
@@ -97,7 +98,7 @@ class Record(AnyRecord):
                 )
             )
         if len(self.times) < 2:
-            raise InputError(Fault(where, "1 sample", "a history has several", "give two samples or more"))
+            raise InputError(Fault(where, "1 sample", "a history has several", "give two or more"))
         if quantity not in QUANTITIES:
             raise InputError(
                 Fault(
@@ -142,7 +143,8 @@ class Record(AnyRecord):
         Text files are read as tables of moduli are: names with units ("t [s]", "x (mm)", "tip_x_m", or units in the
         line below), any encoding, tabs, semicolons, commas or blanks, decimal commas. The extra ``viscorod[records]``
         reads UFF (functions named by node and direction, "3:+z") and C3D ("marker x"). Fields of structures of MATLAB
-        are named "data.tip". Times of day and dates count from the first sample.
+        are named "data.tip". Times of day and dates count from the first sample; angles that begin again after a whole
+        turn are counted on.
 
         Args:
             source: path, ``DataArray``, ``Dataset``, ``DataFrame`` or ``Series``.
@@ -174,15 +176,12 @@ class Record(AnyRecord):
             raise InputError(
                 Fault("quantity", repr(quantity), "it is not known", f"use one of {', '.join(QUANTITIES)}")
             )
-        chosen = QUANTITIES[quantity]
-        si = (
-            chosen.unit(chosen.direction("direction", more["direction"]))
-            if "direction" in more
-            else chosen.units[0]
-        )
+        chosen, si = QUANTITIES[quantity], QUANTITIES[quantity].units[0]
+        if "direction" in more:
+            si = chosen.unit(chosen.direction("direction", more["direction"]))
         return cls(
             columns.si("time", time, "s", time_unit),
-            columns.si("value", value, si, unit),
+            turned_on(quantity, columns.si("value", value, si, unit)),
             quantity=quantity,
             **more,
         )

@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 from scipy.ndimage import maximum_filter1d
@@ -24,7 +25,12 @@ from viscorod.records.decay_doubts import BINS, half_power_width
 from viscorod.records.line_shapes import LineShape, line_shape
 from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
 from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
-from viscorod.records.response_doubts import excitation_doubts, turns_backwards, window_doubts
+from viscorod.records.response_doubts import (
+    by_excitation,
+    excitation_doubts,
+    turns_backwards,
+    window_doubts,
+)
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.response_unit import is_load_over_motion
 from viscorod.results.modal_fit_result import ModalFit
@@ -55,6 +61,8 @@ NO_NOISE, STRUCTURED = 3.5, 1e-3
 """Deviations from which on lines are alike, and the part of the peak from which on that is told."""
 HALF_POWER_WITHIN = 20.0
 """Half-power widths on each side of a mode in which its peak is looked at."""
+NEARLY_ALL = 0.99
+"""Part of a ratio that its interval reaches on each side because nobody told the excitation at most."""
 DIFFER = 1.5
 """Birge's ratio from which on records are said to differ."""
 
@@ -108,7 +116,8 @@ def modal_fit(
     lines = [line_shape(one.window, one.window_time, one.excitation, step) for one in listed]
     turned = [turns_backwards(one, _seen(one, peaks), line) for one, line in zip(listed, lines, strict=True)]
     listed = [one.conjugate() if turn else one for one, turn in zip(listed, turned, strict=True)]
-    modes = _modes(hertz, listed, lines, peaks)
+    other = [by_excitation(one, _seen(one, peaks)) for one in listed]
+    modes = _modes(hertz, listed, lines, peaks, [apart for apart, _ in other])
     if not peaks:
         raise InputError("no peak stands out of the response: give a band, or a response with finer bins")
     if not any(modes):
@@ -127,7 +136,11 @@ def modal_fit(
         for (k, _), found in zip(peaks, modes, strict=True)
         if not found
     ]
-    doubts += [text for one in listed for text in excitation_doubts(one, _seen(one, peaks))]
+    doubts += [
+        text
+        for one, (apart, known) in zip(listed, other, strict=True)
+        for text in excitation_doubts(one.name, apart, known=known)
+    ]
     doubts += [
         f"{one.name} is in {one.unit}, a load over a motion: its peaks are modes of what is left free when the driven "
         "place is held; of the structure itself give the motion over the load, 1/H"
@@ -196,11 +209,21 @@ def _apart(size: Floats, found: list[int], k: int) -> list[int]:
 
 
 def _modes(
-    hertz: Floats, records: list[ResponseRecord], lines: list[LineShape], peaks: list[tuple[int, int]]
+    hertz: Floats,
+    records: list[ResponseRecord],
+    lines: list[LineShape],
+    peaks: list[tuple[int, int]],
+    apart: Sequence[Floats],
 ) -> list[list[Pole]]:
-    """Return for every peak the poles of the responses that show it."""
-    fits: list[tuple[int, Peak]] = []
-    for one, line in zip(records, lines, strict=True):
+    """Return for every peak the poles of the responses that show it.
+
+    Args:
+        hertz: lines; records, lines: the responses and their line shapes; peaks: see `_peaks`.
+        apart: of every response by which part ratios are other if it is a mean over noise, by which intervals reach
+            farther.
+    """
+    fits: list[tuple[int, float, Peak]] = []
+    for one, line, other_part in zip(records, lines, apart, strict=True):
         noise = None if one.noise is None else one.noise[: len(hertz)]
         rough: dict[int, tuple[float, float]] = {}
         for place, (k, reach) in enumerate(_seen(one, peaks)):
@@ -213,12 +236,13 @@ def _modes(
             others = [other for at, other in rough.items() if at != place]
             fit = peak_fits(hertz, one.values, k, min(max(wide, USUAL), gap), line, noise, others)
             if fit is not None:
-                fits.append((place, fit))
-    poles = poles_of([fit for _, fit in fits])
+                fits.append((place, float(other_part[place]), fit))
+    poles = poles_of([fit for _, _, fit in fits])
     found: list[list[Pole]] = [[] for _ in peaks]
-    for (place, _), told in zip(fits, poles, strict=True):
+    for (place, part, _), told in zip(fits, poles, strict=True):
         if told is not None and told.misfit < NO_MODE:
-            found[place].append(told)
+            farther = min(told.ratio_width + part * told.ratio, NEARLY_ALL * told.ratio)
+            found[place].append(replace(told, ratio_width=max(told.ratio_width, farther)))
     return found
 
 
@@ -259,7 +283,7 @@ def _result(
 
     half_power, rows = [], []
     windowed = all(one.window is not None for one in records)
-    told = all(one.window is not None or one.excitation != "blow" for one in records)
+    told = all(one.window is not None or one.excitation is not None for one in records)
     for found in modes:
         ratios = np.array([one.ratio for one in found])
         frequency, frequency_width, _ = _together(

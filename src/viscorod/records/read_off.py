@@ -27,6 +27,7 @@ __all__ = [
     "direction_text",
     "motion_along",
     "strain_along",
+    "turned_from_reference",
 ]
 
 Direction: TypeAlias = str | Sequence[float] | Floats
@@ -200,7 +201,11 @@ def _reference_frame(result: Any, place: str) -> Floats:
 
 
 def _rotation(result: Any, place: str, _found: Any, _lever: Floats, frame: Floats) -> Floats:
-    """Return rotation vectors from the reference shape in global axes, half a turn at most."""
+    return turned_from_reference(result, place, frame)
+
+
+def turned_from_reference(result: Any, place: str, frame: Floats) -> Floats:
+    """Return rotation vectors of frames (n, 3, 3) of a place from the reference shape, half a turn at most (n, 3)."""
     from scipy.spatial.transform import Rotation
 
     turned: Floats = Rotation.from_matrix(frame @ _reference_frame(result, place).T).as_rotvec()

@@ -11,6 +11,7 @@ import numpy as np
 from viscorod.argument_names import MISSING
 from viscorod.checks import file_path
 from viscorod.errors import Fault, InputError
+from viscorod.model.fields.definition import RefusedError
 from viscorod.records.any_record import AnyRecord
 from viscorod.records.arguments import described
 from viscorod.records.columns import Columns
@@ -18,10 +19,12 @@ from viscorod.records.modes_record import ModesRecord, spread_of_ratios
 from viscorod.records.moduli_record import ModuliRecord
 from viscorod.records.motion_record import Record
 from viscorod.records.other_files import columns_of
+from viscorod.records.read_off import QUANTITIES
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import StaticRecord
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
+from viscorod.unit_text import factor_of
 
 __all__ = ["record_of"]
 
@@ -154,34 +157,50 @@ def _static(given: dict[str, Any]) -> AnyRecord:
     if file is not None:
         load, value = given.pop("load", 1), given.pop("value", 2)
         columns = columns_of(file).kept(given.pop("gaps", "refuse"), [("load", load), ("value", value)])
-        unit = "1" if given.get("quantity") == "strain" else "N" if given.get("quantity") == "force" else "m"
-        loads = columns.si("load", load, "N", given.pop("load_unit", None))
+        quantity = given.get("quantity", "displacement")
+        unit = (
+            "1" if quantity == "strain" else QUANTITIES[quantity].units[0] if quantity in QUANTITIES else "m"
+        )
+        load_unit = given.pop("load_unit", None)
+        loads = columns.si("load", load, _kind_of_load(columns, load, load_unit), load_unit)
         values = columns.si("value", value, unit, given.pop("unit", None))
         rows = _branch(columns.source, loads, given.pop("branch", None))
         given["loads"], given["values"] = loads[rows], values[rows]
     return StaticRecord(**given)
 
 
-def _branch(source: str, loads: Floats, branch: Any) -> slice:
-    """Return the rows of loads that go up, or those that come back, the lowest first; all where none is asked for.
+def _kind_of_load(columns: Columns, load: str | int, given: str | None) -> str:
+    """Return the SI unit of the loads of a file: that of a moment where the file or `load_unit` has one."""
+    written = columns.units[columns.number("load", load)] or given
+    try:
+        kind = factor_of(str(written))[1]
+    except RefusedError:
+        return "N"  # what is wrong with it is told where it is read
+    return "N m" if kind == factor_of("N m")[1] else "N"
+
+
+def _branch(source: str, loads: Floats, branch: Any) -> np.ndarray:
+    """Return the rows of loads that go from nothing on, or those that come back, or all; the lowest load first.
 
     Raises:
         InputError: it is no word, or loads go there and back and nobody says which part is meant.
     """
-    top = int(np.argmax(loads))
+    size, rows = np.abs(loads), np.arange(len(loads))
+    top = int(np.argmax(size))
     if branch not in (None, *BRANCHES):
         raise InputError(Fault("branch", repr(branch), "it is not known", f"use {' or '.join(BRANCHES)}"))
-    if branch is None:
-        there_and_back = 0 < top < len(loads) - 1 and (np.diff(loads[: top + 1]) > 0.0).all()
-        if there_and_back and (np.diff(loads[top:]) < 0.0).all():
-            why = f"the loads go up to {loads[top]:g} in row {top + 1}, and back"
-            raise InputError(
-                Fault(
-                    f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each"
-                )
-            )
-        return slice(None)
-    return slice(0, top + 1) if branch == "loading" else slice(None, top - 1 if top else None, -1)
+    if branch is not None:
+        rows = rows[: top + 1] if branch == "loading" else rows[top:]
+    elif (
+        0 < top < len(loads) - 1
+        and (np.diff(size[: top + 1]) > 0.0).all()
+        and (np.diff(size[top:]) < 0.0).all()
+    ):
+        why = f"the loads go up to {loads[top]:g} in row {top + 1}, and back"
+        raise InputError(
+            Fault(f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each")
+        )
+    return rows[::-1] if (np.diff(loads[rows]) < 0.0).all() else rows
 
 
 def _moduli(given: dict[str, Any]) -> AnyRecord:

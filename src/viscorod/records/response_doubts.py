@@ -8,10 +8,10 @@ import numpy as np
 
 from viscorod.records.line_shapes import LineShape, line_shape
 from viscorod.records.pole_about_peak import rough_misfit, rough_pole
-from viscorod.records.response_record import ResponseRecord
+from viscorod.records.response_record import EXCITATIONS, ResponseRecord
 from viscorod.typing import Floats
 
-__all__ = ["excitation_doubts", "turns_backwards", "window_doubts"]
+__all__ = ["by_excitation", "excitation_doubts", "turns_backwards", "window_doubts"]
 
 SAME_RATE, OCTAVES = 1.5, 1.0
 """Ratio of decay rates below which they are called nearly the same, and octaves that their modes are apart at least."""
@@ -44,7 +44,7 @@ def window_doubts(records: Sequence[ResponseRecord], frequencies: Floats, ratios
         records: over the same, evenly spaced lines.
         frequencies: of the modes that were found, Hz (k,); ratios: damping ratios (k,).
     """
-    plain = [one for one in records if one.window is None and one.excitation == "blow"]
+    plain = [one for one in records if one.window is None and one.excitation != "noise"]
     if not plain:
         return []
     hertz = plain[0].frequencies
@@ -118,35 +118,51 @@ def turns_backwards(record: ResponseRecord, peaks: Sequence[tuple[int, int]], li
     return bool(likelier > LIKELIER)
 
 
-def excitation_doubts(record: ResponseRecord, peaks: Sequence[tuple[int, int]]) -> list[str]:
-    """Return a sentence where a response that is read as that to a blow may as well be a mean over noise (H1).
+def by_excitation(record: ResponseRecord, peaks: Sequence[tuple[int, int]]) -> tuple[Floats, bool]:
+    """Return by which part ratios differ (k,) if a response of which nobody told it is a mean over noise (H1).
 
-    Peaks a line wide look nearly alike, and their ratios differ; wider ones are alike in both.
+    Peaks a line wide look nearly alike after a blow and in a mean over noise, and their ratios differ; wider ones are
+    alike in both. The parts are zero where the lines say that it was a blow.
 
     Args:
         record: the response.
-        peaks: lines of peaks, and how many lines on each side show them.
+        peaks: lines of peaks, and how many lines on each side show them (k).
+
+    Returns:
+        the parts, and whether the lines say that it is a mean over noise.
     """
-    if record.window is not None or record.excitation != "blow" or not peaks:
-        return []
+    apart = np.zeros(len(peaks))
+    if record.window is not None or record.excitation is not None:
+        return apart, False
     hertz, values = record.frequencies, record.values
     step = float(hertz[1] - hertz[0])
-    blow, noise = (line_shape(None, None, excitation, step) for excitation in ("blow", "noise"))
-    likelier, apart = 0.0, 0.0
+    blow, noise = (line_shape(None, None, excitation, step) for excitation in EXCITATIONS)
+    likelier = 0.0
     for k, reach in sorted(peaks, key=lambda peak: -abs(values[peak[0]])):
         one, other = (rough_misfit(hertz, values, k, reach, line) for line in (blow, noise))
         if one is not None and other is not None:
             likelier += one[1] * (np.log(one[0]) - np.log(other[0]))
         if likelier < -LIKELIER:
-            return []
-    for k, reach in peaks:
+            return apart, False
+    for place, (k, reach) in enumerate(peaks):
         poles = [rough_pole(hertz, values, k, reach, line) for line in (blow, noise)]
         if poles[0] is not None and poles[1] is not None and poles[0][1] > 0.0:
-            apart = max(apart, abs(poles[1][1] / poles[0][1] - 1.0))
-    if apart < MATTERS:
+            apart[place] = abs(poles[1][1] / poles[0][1] - 1.0)
+    return apart, likelier > LIKELIER
+
+
+def excitation_doubts(name: str, apart: Floats, *, known: bool) -> list[str]:
+    """Return a sentence where a response that is read as that to a blow may as well be a mean over noise (H1).
+
+    Args:
+        name: of the response; apart, known: of `by_excitation`.
+    """
+    most = float(apart.max(initial=0.0))
+    if most < MATTERS:
         return []
-    known = "say that" if likelier > LIKELIER else "do not tell whether"
+    say = "say that" if known else "do not tell whether"
     return [
-        f"the lines of {record.name} {known} they are a mean over noise (H1), of which damping ratios are up to "
-        f"{100.0 * apart:.0f} % other than after a blow: if they are, give excitation='noise'"
+        f"the lines of {name} {say} they are a mean over noise (H1), of which damping ratios are up to "
+        f"{100.0 * most:.0f} % other than after a blow, and intervals reach as far: if they are, give "
+        "excitation='noise', and else 'blow'"
     ]

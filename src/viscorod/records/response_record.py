@@ -108,7 +108,9 @@ def _noise_of(where: str, size: Floats, coherence: Any, averages: int | None) ->
     return np.asarray(size * np.exp(0.5 * smooth))
 
 
-def _require_window(where: str, window: str | None, window_time: float | None, excitation: str) -> None:
+def _require_window(
+    where: str, window: str | None, window_time: float | None, excitation: str | None
+) -> None:
     """Raise `InputError` unless window, time constant and excitation go together."""
     faults = []
     if window not in (None, *WINDOWS):
@@ -120,13 +122,13 @@ def _require_window(where: str, window: str | None, window_time: float | None, e
                 f"give {' or '.join(WINDOWS)}, or leave it out",
             )
         )
-    if excitation not in EXCITATIONS:
+    if excitation not in (None, *EXCITATIONS):
         faults.append(
             Fault(
                 f"{where}: excitation",
                 repr(excitation),
                 "it is not known",
-                f"give {' or '.join(EXCITATIONS)}",
+                f"give {' or '.join(EXCITATIONS)}, or leave it out",
             )
         )
     elif window == "exponential" and excitation == "noise":
@@ -190,7 +192,7 @@ class ResponseRecord(AnyRecord):
         averages: int | None = None,
         window: str | None = None,
         window_time: float | None = None,
-        excitation: str = "blow",
+        excitation: str | None = None,
         unknown: Sequence[str | Unknown] = (),
         name: str = "response",
     ) -> None:

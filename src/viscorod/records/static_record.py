@@ -11,7 +11,14 @@ from viscorod.errors import Fault, InputError
 from viscorod.limits import SMALLEST_NUMBER
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.read_off import QUANTITIES, Direction, direction_text, strain_along
+from viscorod.records.read_off import (
+    BODY_AXES,
+    QUANTITIES,
+    Direction,
+    direction_text,
+    strain_along,
+    turned_from_reference,
+)
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
@@ -21,6 +28,10 @@ SLACK = 1e-3
 """Part of the largest load by which a record may go beyond the equilibria: weighed and converted loads are rounded."""
 
 
+AT_REST = ("position", "displacement", "rotation", "strain", "force", "moment")
+_OF_SECTION = {"force": slice(3), "moment": slice(3, 6)}
+
+
 class StaticRecord(AnyRecord):
     """Static loads with what they moved: one number at a place for each load.
 
@@ -28,7 +39,8 @@ class StaticRecord(AnyRecord):
         loads: increasing, N or N m (n,).
         values: SI (n,).
         full_load: the load of the case at load factor 1, in the same unit; left out, `loads` are load factors.
-        place, quantity, direction: as of a `Record`, without velocities and accelerations.
+        place, quantity, direction: as of a `Record`, without velocities and accelerations; a rotation is the component
+            of the rotation vector from the reference shape, half a turn at most.
         noise: standard deviation, SI, one number or (n,); None where it is not known.
         unknown: "offset", "gain".
         name: of the record; by default its place.
@@ -71,10 +83,10 @@ class StaticRecord(AnyRecord):
             )
         self.full_load = float(full_load)
         self.load_factors = self.loads / self.full_load
-        if quantity not in ("position", "displacement", "strain", "force"):
+        if quantity not in AT_REST:
             raise InputError(
                 Fault(f"{where}: quantity", repr(quantity), "nothing at rest has it",
-                      "use one of position, displacement, strain, force")
+                      f"use one of {', '.join(AT_REST)}")
             )  # fmt: skip
         self.place, self.quantity = place, quantity
         self.direction = QUANTITIES[quantity].direction(f"{where}: direction", direction)
@@ -109,14 +121,24 @@ class StaticRecord(AnyRecord):
                 "the unit of `loads` (N, N m), and load_factors of the case say how far the equilibria go"
             )
         found = result.probe(self.place).isel(place=0)
-        if self.quantity == "strain":
-            model = strain_along(found, self.direction, np.zeros(3))
-        else:
-            vectors = found["section_force" if self.quantity == "force" else self.quantity].values[:, :3]
-            if self.quantity == "force":
-                vectors = np.einsum("tij,tj->ti", found["frame"].values, vectors)
-            model = vectors @ np.asarray(self.direction)
+        model = self._of_states(result, found)
         order = np.argsort(known, kind="stable")
         values = self.values_of(nuisances)
         shown: Floats = np.interp(self.load_factors, known[order], np.asarray(model)[order])
         return self.nuisance("gain", values, 1.0) * shown + self.nuisance("offset", values)
+
+    def _of_states(self, result: Any, found: Any) -> Floats:
+        """Return what was measured of the states of an equilibrium along the direction (n,)."""
+        if self.quantity == "strain":
+            return strain_along(found, self.direction, np.zeros(3))
+        if self.quantity == "rotation":
+            vectors = turned_from_reference(result, self.place, np.asarray(found["frame"].values))
+        elif self.quantity in _OF_SECTION:
+            of_section = np.asarray(found["section_force"].values[:, _OF_SECTION[self.quantity]])
+            if isinstance(self.direction, str):
+                return of_section[:, BODY_AXES.index(self.direction)]
+            vectors = np.einsum("tij,tj->ti", found["frame"].values, of_section)
+        else:
+            vectors = np.asarray(found[self.quantity].values[:, :3])
+        along: Floats = vectors @ np.asarray(self.direction)
+        return along

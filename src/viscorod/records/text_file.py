@@ -59,7 +59,8 @@ def _table(source: str, written: list[str]) -> Columns:
     lines = [with_complex_in_one(line) for line in written]
     divide, first, width = _layout(lines)
     first = _with_settings_beside(lines, first, divide, width)
-    names, units = _heads(lines, first, divide, width)
+    first = _with_gaps_above(lines, first, divide, width)
+    names, units, heading = _heads(lines, first, divide, width)
     rows: list[tuple[int, list[str]]] = []
     for number in range(first, len(lines) + 1):
         line = lines[number - 1]
@@ -70,6 +71,12 @@ def _table(source: str, written: list[str]) -> Columns:
             below = (_cells(text, divide, width) for text in lines[number:])
             if not _numeric(cells) and not any(len(other) == width and _numeric(other) for other in below):
                 break  # a remark at the end
+            if cells == heading:
+                raise RefusedError(
+                    f"line {number} has the names of the columns once more: a second table begins there",
+                    "write each table into a file of its own",
+                    found=show(line[:60].strip()),
+                )
         if len(cells) != width:
             raise RefusedError(
                 f"line {number} has {len(cells)} cells, and the table {width} columns",
@@ -122,6 +129,16 @@ def _with_settings_beside(
     while first > 1 and len(at) > 1:
         cells = _cells(lines[first - 2], divide, width)
         if len(cells) != width or not all(looks_like_a_number(cells[k]) for k in at):
+            break
+        first -= 1
+    return first
+
+
+def _with_gaps_above(lines: list[str], first: int, divide: Callable[[str], list[str]], width: int) -> int:
+    """Return the first line of samples where those without a number stand above the first number, as of trackers."""
+    while first > 1:
+        cells = _cells(lines[first - 2], divide, width)
+        if len(cells) != width or not any(cells) or not all(cell.lower() in MISSING for cell in cells):
             break
         first -= 1
     return first
@@ -210,12 +227,12 @@ def _numeric(cells: list[str]) -> bool:
 
 def _heads(
     lines: list[str], first: int, divide: Callable[[str], list[str]], width: int
-) -> tuple[tuple[str, ...], tuple[str | None, ...]]:
-    """Return names and units of the columns."""
+) -> tuple[tuple[str, ...], tuple[str | None, ...], list[str]]:
+    """Return names and units of the columns, and the cells of the line of the names."""
     # columns that end with the mark have an empty one behind them, which may have a name
     open_end = len(divide(lines[first - 1])) > width
     near = [
-        (k, cells[:width])
+        cells[:width]
         for k in range(first - 1, max(first - 6, 0), -1)
         if (
             len(cells := _named_cells(lines[k - 1], divide, width)) == width
@@ -223,16 +240,19 @@ def _heads(
         )
         and not _numeric(cells)
     ]
+    if len(near) > 2 and not all(near[0]) and all(near[1]) and _all_units(near[1]):
+        near = near[1:]  # below the units stands what the channels are connected to
     if not near:
-        return tuple("" for _ in range(width)), tuple(None for _ in range(width))
-    cells = near[0][1]
+        return tuple("" for _ in range(width)), tuple(None for _ in range(width)), []
+    heading = near[0]
     below: list[str | None] = [None] * width
-    if len(near) > 1 and _all_units(cells):
-        below = [None if cell.lower() in _COUNTED else cell.strip("[]() ") or None for cell in cells]
-        cells = near[1][1]
-    pairs = [name_and_unit(cell) for cell in cells]
+    if len(near) > 1 and _all_units(near[0]):
+        below = [None if cell.lower() in _COUNTED else cell.strip("[]() ") or None for cell in near[0]]
+        below = [None if cell is None or looks_like_a_number(cell) else cell for cell in below]
+        heading = near[1]
+    pairs = [name_and_unit(cell) for cell in heading]
     units = tuple(unit if unit is not None else under for (_, unit), under in zip(pairs, below, strict=True))
-    return tuple(name for name, _ in pairs), units
+    return tuple(name for name, _ in pairs), units, heading
 
 
 def _named_cells(line: str, divide: Callable[[str], list[str]], width: int) -> list[str]:
@@ -248,7 +268,11 @@ def _named_cells(line: str, divide: Callable[[str], list[str]], width: int) -> l
 
 def _all_units(cells: list[str]) -> bool:
     """Return whether a line below the names holds units: brackets, or texts that are units."""
-    texts = [cell.strip() for cell in cells if cell.strip().lower() not in _COUNTED]
+    texts = [
+        cell.strip()
+        for cell in cells
+        if cell.strip().lower() not in _COUNTED and (cell.strip() in _BARE or not looks_like_a_number(cell))
+    ]
     bracketed = all(re.fullmatch(r"[\[(].*[\])]", text) for text in texts if text)
     return any(texts) and (
         bracketed or all(is_unit(text) or text in COUNTS for text in texts if text not in _BARE)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 _ROUND_OFF = 1e-12  # what moved less than this part of the energy that is there did not move
 _SQUARED_ROUND_OFF = 1e-24
+_LITTLE = 0.01  # part of all energy that is there, below which what moved is no scale by itself
 
 
 @known_arguments
@@ -158,6 +159,9 @@ class Energy(Shown, Alike):
         for name, amount, part in zip(values, amounts, parts, strict=True):
             told = f"{part:>{narrow}s} of what moved" if part else ""
             lines.append(f"  {name:<28s}{amount:>{wide}s} {unit}{told}")
-        most = f"{number(100.0 * self.numerical_fraction, 3)} %"
-        lines.append(f"  largest numerical remainder: {most} of what moved")
+        most = f"{number(100.0 * self.numerical_fraction, 3)} % of what moved"
+        if 0.0 < moved < _LITTLE * float(np.max(self.total)):
+            of_all = float(np.max(np.abs(self.numerical)) / np.max(self.total))
+            most += f", {number(100.0 * of_all, 3)} % of all that is there"
+        lines.append(wrapped(f"  largest numerical remainder: {most}"))
         return "\n".join(lines)

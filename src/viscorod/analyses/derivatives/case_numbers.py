@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import Any, TypeVar
 
 from viscorod.analyses.derivatives.number_places import places_of
-from viscorod.casefile.case_keys import parts_of
+from viscorod.casefile.case_keys import keys_of, parts_of
 from viscorod.casefile.case_reader import SECTION_KEYS, SETTINGS, TABLES, read_entry, read_part
 from viscorod.casefile.list_entries import ENTRIES
 from viscorod.errors import Fault, InputError
@@ -40,11 +40,14 @@ class CaseNumber:
 
     @classmethod
     def of(cls, model: ModelDescription, key: str) -> CaseNumber:
-        """Find a number.
+        """Find a number; ``"a, b"`` are two that are equal and change together.
 
         Raises:
             InputError: there is no such number, or it is none of a model.
         """
+        several = keys_of(key)
+        if len(several) > 1:
+            return cls._together(model, key, several)
         table, name, within = _place(key)
         if within[-1] == "mesh_size":
             why = "it says how a section is meshed, and meshes stay while numbers vary"
@@ -66,6 +69,24 @@ class CaseNumber:
             return _with_part(model, table, name, part, new, within)
 
         return cls(key, value, _unit(part, within), size, changed)
+
+    @classmethod
+    def _together(cls, model: ModelDescription, key: str, several: Sequence[str]) -> CaseNumber:
+        each = [cls.of(model, one) for one in several]
+        different = [one for one in each if one.value != each[0].value]
+        if different:
+            shown = f"{each[0].value:g} and {different[0].value:g}"
+            raise InputError(
+                Fault(show(key), shown, "numbers that change together are equal", "name them one by one")
+            )
+
+        def changed(other: float) -> ModelDescription:
+            found = model
+            for one in several:
+                found = cls.of(found, one)._with(other)
+            return found
+
+        return cls(key, each[0].value, each[0].unit, max(one.size for one in each), changed)
 
     def at(self, value: float) -> ModelDescription:
         """Return the model with another value.

@@ -12,17 +12,12 @@ from typing import Any
 
 from viscorod.analyses.derivatives.case_numbers import CaseNumber
 from viscorod.casefile.case import Case, case_from_dict
-from viscorod.casefile.case_keys import parts_of
+from viscorod.casefile.case_keys import keys_of, parts_of
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 
-__all__ = ["case_with", "keys_of", "number_at", "where_to_look"]
-
-
-def keys_of(name: str) -> tuple[str, ...]:
-    """Return the keys of a parameter: "a, b" are two numbers of a case that are equal."""
-    return tuple(key.strip() for key in name.split(",") if key.strip())
+__all__ = ["case_with", "number_at", "where_to_look"]
 
 
 def case_with(case: Case, values: Mapping[str, float], known: KnownParts | None = None) -> Case:

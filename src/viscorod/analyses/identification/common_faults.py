@@ -1,7 +1,7 @@
 """What often is wrong with a measurement that a model does not explain: direction, sign, unit, range, nuisances.
 
 Nothing is changed by it. A sentence is said only of a history whose residuals are no white noise, or of which they die
-out along with it.
+out along with it, or are nearly all of it.
 """
 
 from __future__ import annotations
@@ -37,6 +37,8 @@ LONG = 0.1
 """Part of a cycle for which a record at its extreme value is clipped, whatever its resolution."""
 EXPLAINED = 0.6
 """Part of the power of what is left that an unknown must explain to be named."""
+NEXT_TO_NOTHING = 0.1
+"""Part of a record's variance that a model explains below which it is next to nothing."""
 HINTS = {
     "offset": "an offset of its zero",
     "drift": "a drift of its zero",
@@ -60,8 +62,27 @@ def common_faults(members: Sequence[Member], best: Estimate) -> list[str]:
             begin = rows.stop
             if isinstance(record, Record):
                 wrong = list(_faults(record, best, rows)) if record.name in doubtful else []
+                found += [] if wrong else _of_noise(record, best, rows)
                 found += _windowed(record, best, rows, swings=record.name in doubtful) + wrong
     return found
+
+
+def _of_noise(record: Record, best: Estimate, rows: slice) -> list[str]:
+    """Return a sentence where the model explains next to nothing of a record: what is left is white, but so is noise.
+
+    A search among noise ends where some of it looks like a motion, with intervals of that minimum alone.
+    """
+    measured = best.measured[rows]
+    spread = float(np.sum((measured - measured.mean()) ** 2))
+    left = float(np.sum((measured - best.predicted[rows]) ** 2))
+    if spread == 0.0 or left < (1.0 - NEXT_TO_NOTHING) * spread:
+        return []
+    return [
+        f"The model explains {100.0 * max(1.0 - left / spread, 0.0):.2g} % of the variance of {record.name}: next to "
+        "all of it is noise to the model, and a search among noise may end far off, with intervals that do not know "
+        f"of it. Is {record.place}, {record.quantity} {direction_text(record.direction)} its place and direction? If "
+        "so, leave it out, or give the numbers from another record and compare."
+    ]
 
 
 def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:

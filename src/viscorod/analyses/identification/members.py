@@ -4,17 +4,23 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
 from viscorod.analyses.call_options import CallOptions
 from viscorod.analyses.case_run import discretised_case, run_case
+from viscorod.analyses.derivatives.differentiate import equilibrium_derivatives, on_mesh_of
+from viscorod.analyses.derivatives.eigenvalues import modes_derivatives
+from viscorod.analyses.derivatives.motions import motion_derivatives
+from viscorod.analyses.derivatives.responses import response_derivatives
+from viscorod.analyses.derivatives.rotations import steady_derivatives
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
-from viscorod.analyses.frequency_response import frequency_response
+from viscorod.analyses.frequency_response import frequency_response, with_inputs
 from viscorod.analyses.identification.case_numbers import case_with, number_at
 from viscorod.analyses.modes import modes
 from viscorod.analyses.motion import motion
@@ -27,6 +33,7 @@ from viscorod.one_thread import one_blas_thread
 from viscorod.records.any_record import STEP
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.static_record import SLACK, StaticRecord
+from viscorod.results.derivative import Derivative
 from viscorod.results.run import Run
 from viscorod.solve.problem.division import Division, Divisions
 from viscorod.solve.refinement.mesh_watch import MeshWatch
@@ -51,12 +58,29 @@ ON_MESH: dict[type, Callable[[DiscreteModel, Any], AnyResult]] = {
     ResponseSettings: frequency_response,
 }
 """The analyses that records are compared with, on a mesh that stays as it is."""
+BY_NUMBERS: dict[type, Callable[..., dict[str, Derivative[Any]]]] = {
+    SimulateSettings: motion_derivatives,
+    EquilibriumSettings: equilibrium_derivatives,
+    SteadySettings: steady_derivatives,
+    ModesSettings: modes_derivatives,
+    ResponseSettings: response_derivatives,
+}
+"""What gives their results derivatives by numbers of the model."""
 STEPS = 1e-4
 """What steps of motions may err by over the size of the model, unless the case says; differences need it."""
 LINES = 1000
 """Frequencies of records up to which responses are computed at these, not on straight lines between others."""
 BEFORE = 0.1
 """Part of a record by which its release may be sought before where it starts."""
+
+
+class _Computed(NamedTuple):
+    """What was computed last: numbers by key, the case and the discretised model with them, and its result."""
+
+    key: tuple[tuple[str, float], ...]
+    case: Case
+    discrete: DiscreteModel
+    result: AnyResult
 
 
 class Unwatched(MeshWatch):
@@ -84,7 +108,7 @@ class Member:
     divisions: Divisions | None = None
     step_ends: tuple[float, ...] = ()
     doubts: tuple[str, ...] = ()
-    _last: tuple[tuple[tuple[str, float], ...], AnyResult] | None = field(default=None, repr=False)
+    _last: _Computed | None = field(default=None, repr=False)
     _known: KnownParts = field(default_factory=KnownParts, repr=False, compare=False)
 
     def __post_init__(self) -> None:
@@ -120,11 +144,41 @@ class Member:
         Raises:
             InputError: the case refuses a number. SolveError: it cannot be solved.
         """
+        return self._with(values).result
+
+    def derivatives(self, values: Mapping[str, float]) -> dict[str, Derivative[Any]]:
+        """Return the derivatives of the result with these numbers by those of them that it has any by, by key.
+
+        Those of a motion go through its own steps.
+
+        Raises:
+            InputError, SolveError: as of :meth:`result`.
+        """
+        compute = BY_NUMBERS.get(type(self.case.settings))
+        if compute is None:
+            return {}
+        computed = self._with(values)
+        model, settings, result = computed.case.description, self.case.settings, computed.result
+        if isinstance(settings, ResponseSettings):
+            model = with_inputs(model, settings)
+        found: dict[str, Derivative[Any]] = {}
+        with last_warnings() as kept, one_blas_thread():
+            discrete = on_mesh_of(computed.discrete, result)
+            try:
+                found = compute(model, discrete, settings, result, list(values))
+            except (InputError, SolveError):  # one of them has none: the others may have
+                for key in values:
+                    with suppress(InputError, SolveError):
+                        found |= compute(model, discrete, settings, result, [key])
+            kept.clear()
+        return found
+
+    def _with(self, values: Mapping[str, float]) -> _Computed:
         key = tuple(values.items())
-        if self._last is None or self._last[0] != key:
+        if self._last is None or self._last.key != key:
             case = replace(case_with(self.case, values, self._known), settings=self.case.settings)
-            self._last = key, self._computed(case)
-        return self._last[1]
+            self._last = _Computed(key, case, *self._compute(case))
+        return self._last
 
     def predicted(self, record: Any, named: Mapping[str, float]) -> Floats:
         """Return what the case says of a record, with unknowns by name."""
@@ -166,7 +220,7 @@ class Member:
         ):  # an event, at a time that changes too
             self.step_ends = tuple(run.ends_of_steps.tolist())
 
-    def _computed(self, case: Case) -> AnyResult:
+    def _compute(self, case: Case) -> tuple[DiscreteModel, AnyResult]:
         options = CallOptions(step_ends=self.step_ends, note_steps=not self.step_ends)
         with last_warnings() as kept:
             if self.divisions is None:
@@ -179,7 +233,9 @@ class Member:
                 result = ON_MESH[type(case.settings)](replace(discrete, watch=watch), case.settings)
             kept.clear()  # a fit passes through many, and tells those of the last
         self.doubts = tuple(json.loads(str(discrete.attributes["doubts"])))
-        return result
+        if self.step_ends and isinstance(result, Run):
+            result.ends_of_steps = np.array(self.step_ends)
+        return discrete, result
 
     def _chosen(self, case: Case) -> Divisions:
         """Return the mesh that the program chooses for the case; none where all rods have their elements given."""

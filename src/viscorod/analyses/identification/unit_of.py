@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from viscorod.analyses.identification.case_numbers import keys_of, number_at
+from viscorod.analyses.identification.case_numbers import number_at
 from viscorod.analyses.identification.members import Member
+from viscorod.casefile.case_keys import keys_of
 from viscorod.casefile.unit_conversion import unit_at
 
 __all__ = ["unit_of"]

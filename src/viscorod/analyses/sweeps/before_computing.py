@@ -37,19 +37,26 @@ def checked(work: MemberWork, rows: Mapping[int, Row]) -> tuple[Looked, dict[int
     return looked, read
 
 
-def require_right(case: Case, looked: Looked, rows: Sequence[Row], numbers: Sequence[int]) -> None:
+def require_right(
+    case: Case, looked: Looked, rows: Sequence[Row], numbers: Sequence[int], same: Mapping[int, int]
+) -> None:
     """Refuse wrong keys, values and places before anything is computed.
 
     Args:
         rows: the values of all members; numbers: of those that were looked at.
+        same: members with the values of others, which were not.
 
     Raises:
         InputError: something is wrong.
     """
     if looked.problems:
-        of_some = {k: rows[k] for k in numbers}
+        of_some = {k: rows[k] for k in [*numbers, *same]}
         in_order = sorted(looked.problems.values(), key=lambda problem: min(problem[1]))
-        told = [_with_members(fault, sorted(wrong), of_some) for fault, wrong in in_order]
+        told = []
+        for fault, wrong in in_order:
+            known = set(wrong)
+            like = [k for k, one in same.items() if one in known]
+            told.append(_with_members(fault, sorted([*wrong, *like]), of_some))
         raise InputError(told, heading=str(case.source) if case.source else "case")
 
 

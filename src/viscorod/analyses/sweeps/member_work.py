@@ -12,7 +12,7 @@ from viscorod.analyses.sweeps.looked import Looked
 from viscorod.analyses.sweeps.processes import FAILED
 from viscorod.analyses.sweeps.rows import Row
 from viscorod.casefile.case import Case, case_from_dict, is_plain
-from viscorod.casefile.case_keys import put
+from viscorod.casefile.case_keys import put_all
 from viscorod.casefile.known_parts import KnownParts
 from viscorod.errors import InputError, SolveError, came_of_interrupt
 from viscorod.results.files.sweep_folder import SweepFolder
@@ -48,8 +48,7 @@ def member_content(
         InputError: there is no such key, or what is there is wrong.
     """
     own = _apart(dict(content))
-    for key, value in row.items():
-        put(own, key, value)
+    put_all(own, row)
     table = own.get("simulate")
     if keep and isinstance(table, dict) and "output_interval" not in table:
         settings = case_from_dict(own, source, known=known).settings

@@ -158,18 +158,30 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
     """
     import pandas as pd
 
-    try:
-        table = pd.read_csv(
-            path, comment="#", header=None, dtype=str, skipinitialspace=True, encoding="utf-8-sig"
+    def read(lines: int | None) -> pd.DataFrame:
+        return pd.read_csv(
+            path,
+            comment="#",
+            header=None,
+            dtype=str,
+            skipinitialspace=True,
+            encoding="utf-8-sig",
+            nrows=lines,
         )
-        heads = [str(head).strip() for head in table.iloc[0].fillna("")]
+
+    try:
+        # first: commas in the numbers below would make it a table of lines of all lengths
+        heads = [str(head).strip() for head in read(1).iloc[0].fillna("")]
         if len(heads) == 1 and (other := next((mark for mark in (";", "\t") if mark in heads[0]), "")):
             named = "semicolons" if other == ";" else "tabs"
             raise ValueError(f"there are {named} between its cells, where commas are read")
-        table = table.iloc[1:]
+        table = read(None).iloc[1:]
     except (OSError, ValueError, IndexError) as error:
         why = f"it cannot be read as a table ({' '.join(str(error).split())[:120]})"
-        instead = "give a CSV file whose first line has keys of the case file, with commas between its cells"
+        instead = (
+            "give a CSV file whose first line has keys of the case file, with commas between its cells, points in its "
+            'numbers and quotation marks around lists ("[0, 0.02, 0]")'
+        )
         raise InputError(Fault("values", str(path), why, instead)) from None
     if "" in heads:
         why = f"column {heads.index('') + 1} has no head; it may be the index that pandas writes"

@@ -11,21 +11,27 @@ from viscorod.cli.completion import words
 from viscorod.cli.files import picture_at
 from viscorod.cli.options import OptionalNumber, output_option, pair_of
 from viscorod.cli.terminal import readable_errors, told
+from viscorod.errors import Fault, InputError
 
 __all__ = ["modes"]
 
 
 def modes(
-    file: Annotated[
-        Path, typer.Argument(metavar="FILE", help="Table with frequencies and responses: text, UFF, MATLAB.")
-    ],
-    value: Annotated[
-        list[str],
-        typer.Option(
-            help="Column of a complex response, or REAL,IMAGINARY, or MAGNITUDE,PHASE; by name or number from 1. "
-            "Several responses are one fit."
+    files: Annotated[
+        list[Path],
+        typer.Argument(
+            metavar="FILE...",
+            help="Tables with frequencies and responses: text, UFF, MATLAB. All responses are one fit.",
         ),
     ],
+    value: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Column of a complex response, or REAL,IMAGINARY, or MAGNITUDE,PHASE; by name or number from 1. "
+            "May be repeated [default: print the columns]",
+            show_default=False,
+        ),
+    ] = None,
     frequency: Annotated[
         str, typer.Option(help="Column of the frequencies, by name or number from 1.")
     ] = "1",
@@ -67,12 +73,13 @@ def modes(
         typer.Option("--window-time", help="Time constant of an exponential window, s.", show_default=False),
     ] = None,
     excitation: Annotated[
-        str,
+        str | None,
         typer.Option(
-            help="blow (or periodic, or sines), or noise (H1 of a mean).",
+            help="blow (or periodic, or sines), or noise (H1 of a mean) [default: blow, intervals for either].",
+            show_default=False,
             autocompletion=words("blow", "noise"),
         ),
-    ] = "blow",
+    ] = None,
     output: Annotated[
         Path | None, output_option("DIR", "Write modes.nc and modes.png there [default: print only]")
     ] = None,
@@ -83,27 +90,52 @@ def modes(
         from viscorod.records.pole_fit import modal_fit
         from viscorod.records.response_record import ResponseRecord
 
+        if not value:
+            raise _without_value(files[0])
         told_of_it: dict[str, Any] = {
             "frequency": column(frequency),
             "step": step,
             "unit": unit,
             "frequency_unit": frequency_unit,
             "phase_unit": phase_unit,
-            "excitation": excitation,
         }
         if window is not None:
             told_of_it["window"] = window
+        if excitation is not None:
+            told_of_it["excitation"] = excitation
         if window_time is not None:
             told_of_it["window_time"] = window_time
         records = [
             ResponseRecord.read(
-                file, [column(part.strip()) for part in one.split(",")], name=one, **told_of_it
+                file,
+                [column(part.strip()) for part in one.split(",")],
+                name=one if len(files) == 1 else file.name if len(value) == 1 else f"{file.name}, {one}",
+                **told_of_it,
             )
+            for file in files
             for one in value
         ]
         limits = None if band is None else pair_of("--band", band)
-        found = modal_fit(records, band=limits, title=file.name)
+        found = modal_fit(records, band=limits, title=", ".join(file.name for file in files))
         if output is None:
             told(found)
             return
         told(found, [found.save(output / "modes.nc"), picture_at(found.plot, output / "modes.png")])
+
+
+def _without_value(file: Path) -> InputError:
+    """Return what is said where no column is chosen: the columns of the file."""
+    from viscorod.records.other_files import columns_of
+
+    columns = columns_of(file)
+    listed = ", ".join(
+        f"{k} {name}{'' if unit is None else f' [{unit}]'}".rstrip()
+        for k, (name, unit) in enumerate(zip(columns.names, columns.units, strict=True), 1)
+    )
+    return InputError(
+        Fault(
+            "--value", "", f"the columns of {file.name} are {listed}",
+            "give that of a complex response, or two, such as --value 2,3 (real and imaginary part, or magnitude and "
+            "phase)",
+        )
+    )  # fmt: skip

@@ -337,9 +337,29 @@ def choose(
         if not isinstance(kind, str) or kind not in kinds:
             advice = f"{did_you_mean(kind, kinds)}give one of {known}"
             raise RefusedError(f"no such {tag}", advice, found=show(kind), at=(tag,))
+        if tag not in value:
+            _require_meant(tag, kinds, kind, value)
         return kinds[kind].model_validate(value)
 
     return parse
+
+
+def _require_meant(
+    tag: str, kinds: Mapping[str, type[Definition]], default: str, value: Mapping[Any, Any]
+) -> None:
+    """Refuse a table without its kind, some of whose keys, or all, tell that it is none of the usual kind."""
+    usual = kinds[default]
+    strange = value.keys() - usual.model_fields.keys() - usual.renamed.keys()
+    meant = [kind for kind, one in kinds.items() if strange and strange <= one.model_fields.keys()]
+    meant = meant or [kind for kind in kinds if kind in strange]
+    if meant:
+        keys = ", ".join(sorted(map(str, strange)))
+        raise RefusedError(
+            f"this key is missing, and without it the table is of kind {default!r}, which has no {keys}",
+            f"add {tag} = {' or '.join(map(repr, meant))}",
+            found="",
+            at=(tag,),
+        )
 
 
 non_negative = bounded(">= 0", minimum=0)

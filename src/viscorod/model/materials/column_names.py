@@ -86,6 +86,12 @@ STRAINS = {
 }
 """Beginnings of the name of the storage modulus that show the strain."""
 
+OF_SHEAR = re.compile(
+    r"(shear|schub|scher)\w*[\s_]*(strain|stress|rate|spannung|dehnung|verformung|deformation)|"
+    r"schubspannung|scherspannung|scherdehnung|\btorque|drehmoment"
+)
+"""Names of other columns, in small letters, of a sample that was sheared or twisted."""
+
 _PRIMES = str.maketrans(dict.fromkeys("\N{PRIME}\N{RIGHT SINGLE QUOTATION MARK}\N{LEFT SINGLE QUOTATION MARK}"
                                       "\N{ACUTE ACCENT}\N{GRAVE ACCENT}", "'")
                         | dict.fromkeys('"\N{DOUBLE PRIME}\N{RIGHT DOUBLE QUOTATION MARK}'

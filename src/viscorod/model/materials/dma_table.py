@@ -19,7 +19,7 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.materials.column_names import unit_of
+from viscorod.model.materials.column_names import OF_SHEAR, unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
 from viscorod.model.materials.moduli_over_frequency import DmaTable, beside_slope
 from viscorod.model.materials.sweeps import Points, every_sweep, one_sweep, side_by_side
@@ -298,6 +298,17 @@ def _single(block: Block, values: dict[int, Floats]) -> dict[str, Floats]:
     return {kind: column for kind, (_, column) in found.items()}
 
 
+def _strain(block: Block) -> str | None:
+    """Return the strain that the names of the moduli show, or else those of other columns, as rheometers have."""
+    strains = {
+        known.strain for known in block.columns.values() if known.kind in ("storage", "loss", "complex")
+    }
+    strains.discard(None)
+    if not strains and any(OF_SHEAR.search(name.lower()) for name in block.names):
+        return "shear"
+    return strains.pop() if len(strains) == 1 else None
+
+
 def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
     """Return frequencies, moduli and temperatures of the rows of a table."""
     unknown = np.full(len(block.rows), math.nan)
@@ -330,10 +341,6 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
                 notes += beside_slope(omega, storage, loss / storage, of_loss=True)
         elif "tan_delta" in values:
             notes += beside_slope(omega, storage, tangent)
-    strains = {
-        known.strain for known in block.columns.values() if known.kind in ("storage", "loss", "complex")
-    }
-    strains.discard(None)
     units = {known.kind: known.unit or "C" for known in block.columns.values()}
     return Points(
         line=np.array([line for line, _ in block.rows], dtype=np.int64),
@@ -346,7 +353,7 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
         set_temperature=_celsius(values.get("set_temperature", unknown), units.get("set_temperature", "C")),
         group=values.get("group", unknown) * 1.0 + 0.0,
         block=np.full(len(block.rows), index),
-        strain=strains.pop() if len(strains) == 1 else None,
+        strain=_strain(block),
         notes=tuple(notes),
     )
 

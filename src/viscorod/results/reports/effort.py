@@ -36,6 +36,8 @@ def effort(result: Result) -> str:
         lines.append(_mesh(result))
     if step_errors(attrs):
         lines.append(_steps(attrs))
+    elif not result.mesh_errors and result.dimension == "time" and attrs.get("outcome") == "completed":
+        lines.append("Errors of steps and mesh were not estimated")
     if attrs.get("smallest_step_why"):
         lines.append(
             f"Smallest step: {quantity(attrs['smallest_step'], 's', 3)} at t = "

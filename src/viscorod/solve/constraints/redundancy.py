@@ -83,8 +83,7 @@ def _support_gradients(system: System, supports: SupportState, state: State) -> 
     rows, columns, values = [], [], []
     count = 0
     for k, node in enumerate(supports.set.nodes):
-        _, G, _, _ = supports._directions(k, state)
-        for row in G[supports.set.fixed[k] > 0.0]:
+        for row in supports.motion_gradients(k, state)[supports.set.fixed[k] > 0.0]:
             rows.append(np.full(6, count))
             columns.append(6 * int(node) + np.arange(6))
             values.append(row)

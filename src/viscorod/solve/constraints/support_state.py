@@ -189,6 +189,10 @@ class SupportState:
             out[k] = self.set.fixed[k] * self._directions(int(k), state)[0]
         return out
 
+    def motion_gradients(self, k: int, state: State) -> Floats:
+        """Return the derivatives of a support's motions by body increments of its node, one row each ``(6, 6)``."""
+        return self._directions(k, state)[1]
+
     def free_directions(self, k: int, state: State) -> Floats:
         """Return the body increments of a support's node, one column for each motion along its axes ``(6, 6)``."""
         return self._directions(k, state)[2]

@@ -122,13 +122,12 @@ def linearise(
 ) -> Linearisation:
     """Linearise about the equilibrium ``state`` (at rest) under ``scale`` times the loads at time ``t`` [s]."""
     system, problem = solver.system, solver.system.problem
-    tangent = solver.tangent(state, t, before=before, scale=scale)
+    damping_matrix = Matrix(problem.pattern)
+    resting = State(state.r, state.q, np.zeros((problem.size, 6)), state.multiplier)
+    tangent = solver.tangent(resting, t, before=before, scale=scale, rate_matrix=damping_matrix)
     basis, size = tangent.basis, 6 * problem.size  # rows of multipliers come after those of the nodes
     supports = solver.supports
-    resting = State(state.r, state.q, np.zeros((problem.size, 6)), state.multiplier)
     loads = solver.loads.at(t, before, scale)
-    damping_matrix = Matrix(problem.pattern)
-    system.assemble(resting, loads, None, tangent=True, moving=False, rate_matrix=damping_matrix)
     noise = _force_noise(solver)
     balance = _without_noise(system.residual(), noise, problem.length)
     damping = _within(supports, basis, damping_matrix.blocks)
@@ -148,7 +147,7 @@ def linearise(
     )
     found, parts = whole, None
     if not surely_held(problem):
-        held = [supports._directions(k, state)[1] for k in range(len(supports.set.nodes))]
+        held = [supports.motion_gradients(k, state) for k in range(len(supports.set.nodes))]
         gradients = system.constraints.measure(resting)[2]
         parts = motions_of_parts(problem, state.r, state.q, held, gradients)
     if parts is not None and parts.found:

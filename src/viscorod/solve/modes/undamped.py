@@ -126,11 +126,11 @@ def _all_modes(linear: Linearisation) -> _AllModes:
     return _AllModes(problem, squares[order], shapes[:, order], sizes[order])
 
 
-def slowest_square(linear: Linearisation) -> float | None:
-    """Return ``w^2`` of the slowest mode [1/s^2] where full matrices tell it to the last digit, else None.
+def resolved_modes(linear: Linearisation) -> tuple[Floats, Floats] | None:
+    """Return all ``1/w^2`` [s^2], increasing, and shapes with ``x.K x = 1``; None unless full matrices tell them.
 
-    It is what :func:`undamped_modes` has for it, in half the time: nothing is rigid, the equilibrium is stable, and of
-    no shape does rounding spoil the stiffness, so that none of them has to be looked at again.
+    Nothing is rigid then, the equilibrium is stable, and of no shape does rounding spoil the stiffness, so that none of
+    them has to be looked at again. The last one is the slowest, to the last digit what :func:`undamped_modes` has.
     """
     if linear.gradients is not None or linear.rigid or not 0 < linear.mass.shape[0] <= DENSE:
         return None
@@ -140,7 +140,7 @@ def slowest_square(linear: Linearisation) -> float | None:
         return None
     if found is None or not found[0][0] > 0.0 or not 2.0 * EPS * found[2] <= PRECISE:
         return None
-    return float(1.0 / found[0][-1])
+    return found[:2]
 
 
 _Inverse = tuple[Floats, Floats, float]

@@ -15,9 +15,10 @@ from viscorod.solve.modes.damped import REAL, DampedModes, damped_modes
 from viscorod.solve.modes.linearisation import Linearisation, linearise
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.mode_names import DAMPER, StrainEnergies, numbered
-from viscorod.solve.modes.undamped import Undamped, slowest_square, undamped_modes
+from viscorod.solve.modes.undamped import Undamped, resolved_modes, undamped_modes
 from viscorod.solve.problem.problem import Problem
 from viscorod.solve.statics.static_solver import StaticSolver
+from viscorod.solve.statics.tangent import ALIKE
 from viscorod.typing import Floats
 
 __all__ = [
@@ -125,9 +126,9 @@ class ModesFound:
 
 def natural_frequencies(linear: Linearisation, count: int) -> Floats:
     """Return the ``count`` lowest undamped angular frequencies [rad/s]; rigid and unstable motions count as 0."""
-    alone = slowest_square(linear) if count == 1 else None
-    if alone is not None:
-        return np.sqrt([alone])
+    resolved = resolved_modes(linear) if count == 1 else None
+    if resolved is not None:
+        return np.sqrt(1.0 / resolved[0][-1:])
     found = undamped_modes(linear, min(count, linear.motions))
     squares = np.concatenate([np.zeros(found.rigid.shape[1]), np.sort(np.maximum(found.squares, 0.0))])
     return np.asarray(np.sqrt(squares[:count]))
@@ -228,13 +229,20 @@ def station_shapes(problem: Problem, state: State, increments: np.ndarray) -> tu
     """
     shapes, rotations = station_motions(problem, state, increments)
     for k, (shape, turn) in enumerate(zip(shapes, rotations, strict=True)):
-        peak = shape.ravel()[np.argmax(np.abs(shape))]
+        peak = _peak(shape)
         if np.abs(peak) < TWISTING * problem.length * np.abs(turn).max():
-            peak = turn.ravel()[np.argmax(np.abs(turn))]
+            peak = _peak(turn)
         if peak == 0.0:  # only bodies move
             peak = 1.0
         shapes[k], rotations[k] = shape / peak, turn / peak
     return shapes, rotations
+
+
+def _peak(values: np.ndarray) -> complex:
+    """Return the largest of some components, the first one of those that are alike: round-off says which is larger."""
+    flat = values.ravel()
+    size = np.abs(flat)
+    return complex(flat[np.argmax(size >= (1.0 - ALIKE) * size.max())])
 
 
 def station_motions(problem: Problem, state: State, increments: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

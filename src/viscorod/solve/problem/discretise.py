@@ -152,7 +152,7 @@ def _of_layout(problem: Problem, layout: Layout) -> Problem:
 def _of_sections(model: ModelDescription, mesh: Mesh, layout: Layout) -> dict[str, Any]:
     """Return the fields of a problem that sections and materials enter."""
     sets, mass, relaxation_times = element_sets(mesh, layout.sets)
-    refuse_massless_turns(model.bodies, mesh, mass, layout.supports)
+    refuse_massless_turns(model.bodies, mesh, mass, layout.supports, layout.joints)
     held = held_strains(sets, layout.pattern, layout.nodes, layout.first_held)
     return {"sets": sets, "mass": mass, "relaxation_times": relaxation_times, "held": held}
 

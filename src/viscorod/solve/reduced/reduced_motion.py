@@ -7,6 +7,7 @@ import numpy as np
 from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
+from viscorod.solve.loss_within_steps import loss_within
 from viscorod.solve.reduced.collocation_factors import CollocationFactors
 from viscorod.solve.reduced.reduced_loads import ReducedLoads
 from viscorod.solve.reduced.reduced_model import ReducedModel
@@ -264,7 +265,8 @@ class ReducedMotion:
     def between(self, parts: Floats) -> Inside:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`: cubic between both ends."""
         h, model, s = self._step, self.model, parts[:, None]
-        work, loss, outside = (h * self.tableau.partial_weights(parts) @ self._powers).T
+        until = h * self.tableau.partial_weights(parts)
+        work, _, outside = (until @ self._powers).T
         gap, first, last = self._y - self._before, h * self._rate_before, h * self._rate
         b, c = 3.0 * gap - 2.0 * first - last, first + last - 2.0 * gap
         y = self._before + s * (first + s * (b + s * c))
@@ -276,8 +278,7 @@ class ReducedMotion:
             t = self.t - (1.0 - float(parts[k])) * h
             _, external, _ = self._forces(t, state, before=False)
             found.append(Snapshots.of(model.snapshot(state, y[k], rate[k], external)))
-        # interpolation must not give energy back
-        loss = np.maximum.accumulate(np.clip(loss, 0.0, self.loss))
+        loss = loss_within(until, self._powers[:, 1], self.loss)
         none = np.zeros((len(parts), 0))  # no rest strain changes here, and there are no branches
         share = StepShare(work, loss, outside, np.zeros(len(parts)), none)
         return Inside(Snapshots.joined(found), share)

@@ -147,9 +147,23 @@ def worst_node(residual: Floats, length: float) -> tuple[float, int]:
     return float(size[node]), node
 
 
+def imbalance_within(limit: float, residual: Floats, length: float) -> bool:
+    """Return whether no force [N] (moment over ``length``) of ``residual`` (n, 6) exceeds a limit."""
+    fx, fy, fz, mx, my, mz = np.abs(residual).max(axis=0).tolist()
+    return bool(max(fx, fy, fz) <= limit and max(mx, my, mz) / length <= limit)
+
+
 def interruption(asked: KeyboardInterrupt) -> str:
     """Return why a solution was interrupted."""
     return str(asked) or "interrupted from the keyboard"
 
 
-__all__ = ["Convergence", "NewtonReport", "Outcome", "SingularMatrixError", "interruption", "worst_node"]
+__all__ = [
+    "Convergence",
+    "NewtonReport",
+    "Outcome",
+    "SingularMatrixError",
+    "imbalance_within",
+    "interruption",
+    "worst_node",
+]

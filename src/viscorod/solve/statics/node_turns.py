@@ -17,12 +17,15 @@ SURELY_SMALL = np.cos(np.pi / 9.0)
 """Scalar part of the quaternions of rotations by 40 degrees: four of them are less than half a turn in any order."""
 
 
+_SIDES = slice(None, -1), slice(1, None)
+
+
 class NodeTurns:
     """Rotations between the neighbouring nodes of all elements of a problem."""
 
     def __init__(self, problem: Problem) -> None:
         self._turned = problem.link_quaternions
-        self._first, self._then = _ends_of_pairs(problem)
+        self._nodes, self._links, self._linked = _ends_of_pairs(problem)
 
     def of(self, state: State) -> Floats:
         """Return the rotation vectors ``(pairs, 3)``, the shorter way round."""
@@ -30,23 +33,21 @@ class NodeTurns:
         return rotation_vectors(product(conjugate(a), b))
 
     def _ends(self, state: State) -> tuple[Floats, Floats]:
-        found = []
-        for nodes, links in (self._first, self._then):
-            q: Floats = state.q[nodes]
-            if len(self._turned):
-                linked = links >= 0
-                q[linked] = product(q[linked], self._turned[links[linked]])
-            found.append(q)
-        return found[0], found[1]
+        q: Floats = state.q[self._nodes]
+        if len(self._links):
+            q[self._linked] = product(q[self._linked], self._turned[self._links])
+        return q[0], q[1]
 
     def jumped(self, old: State, new: State) -> bool:
         """Return whether a load step took a rotation to half a turn, or past it.
 
+        The scalar parts of the four rotations between ends, and between times, tell most that did not.
+
         Past it, the rotation between two nodes has not changed by as much as they have turned, but by whole turns less.
         """
         (a, b), (a1, b1) = self._ends(old), self._ends(new)
-        pairs = (a, b), (a1, b1), (a, a1), (b, b1)
-        if all(float(np.abs(_scalars(*pair)).min(initial=1.0)) > SURELY_SMALL for pair in pairs):
+        scalars = np.einsum("ipk,ipk->ip", np.stack([a, a1, a, b]), np.stack([b, b1, a1, b1]))
+        if float(np.abs(scalars).min(initial=1.0)) > SURELY_SMALL:
             return False
         # from end to end before and then, and of the second and the first end from before to then, all in one call
         turns = product(conjugate(np.concatenate([a, a1, b, a])), np.concatenate([b, b1, b1, a1]))
@@ -58,22 +59,18 @@ class NodeTurns:
 
     def worst(self, state: State) -> int:
         """Return a node at the largest rotation."""
-        return int(self._first[0][np.argmax(np.linalg.norm(self.of(state), axis=1))])
-
-
-def _scalars(a: Floats, b: Floats) -> Floats:
-    """Return the scalar parts ``(n,)`` of the rotations from unit quaternions to others."""
-    return np.asarray((a * b).sum(axis=1))
+        return int(self._nodes[0][np.argmax(np.linalg.norm(self.of(state), axis=1))])
 
 
 @once_of_layout
-def _ends_of_pairs(problem: Problem) -> tuple[tuple[Integers, Integers], tuple[Integers, Integers]]:
-    """Return nodes and links of the first and the second of all neighbouring nodes of elements."""
-    first, then = (
-        (
-            np.concatenate([e.nodes[:, side].ravel() for e in problem.sets]),
-            np.concatenate([e.links[:, side].ravel() for e in problem.sets]),
-        )
-        for side in (slice(None, -1), slice(1, None))
+def _ends_of_pairs(problem: Problem) -> tuple[Integers, Integers, tuple[Integers, Integers]]:
+    """Return the first and the second of all neighbouring nodes of elements ``(2, pairs)``, links, and whose they are.
+
+    The links stand in the order of the pairs that have one, which are the last, an index into ``(2, pairs)``.
+    """
+    nodes, links = (
+        np.stack([np.concatenate([part[:, side].ravel() for part in parts]) for side in _SIDES])
+        for parts in ([e.nodes for e in problem.sets], [e.links for e in problem.sets])
     )
-    return first, then
+    row, pair = np.nonzero(links >= 0)
+    return nodes, links[row, pair], (row, pair)

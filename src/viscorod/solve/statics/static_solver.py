@@ -15,6 +15,7 @@ from viscorod.solve.constraints.null_space import unit_rows
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State, System
+from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.once import once
 from viscorod.solve.problem.external_loads import ExternalLoads
 from viscorod.solve.problem.problem import Problem
@@ -24,6 +25,7 @@ from viscorod.solve.statics.newton import (
     NewtonReport,
     Outcome,
     SingularMatrixError,
+    imbalance_within,
     interruption,
     worst_node,
 )
@@ -263,12 +265,13 @@ class StaticSolver:
         Prescribed motions and joints must be where they are to be.
         """
         problem, supports, constraints = self.system.problem, self.supports, self.system.constraints
-        gaps = np.abs(residual / supports.weights)[supports.set.nodes] * supports.set.fixed
+        noise = position_noise(problem, state.r)
+        if not imbalance_within(noise, supports.unbalanced(residual)[: problem.size], problem.length):
+            return False  # as in most iterations
+        nodes = supports.set.nodes
+        gaps = np.abs(residual[nodes] / supports.weights[nodes]) * supports.set.fixed
         gap = max(gaps[:, :3].max(initial=0.0) / problem.length, gaps[:, 3:].max(initial=0.0))
-        if max(gap, np.abs(constraints.gap / constraints.unit).max(initial=0.0)) > self.tolerance:
-            return False
-        imbalance, _ = worst_node(self.supports.unbalanced(residual)[: problem.size], problem.length)
-        return bool(imbalance <= position_noise(problem, state.r))
+        return bool(max(gap, np.abs(constraints.gap / constraints.unit).max(initial=0.0)) <= self.tolerance)
 
     def crushed(self) -> int | None:
         """Return a node where sections of the last assembly are pressed through each other, None if none are.
@@ -294,10 +297,21 @@ class StaticSolver:
         residual = self.system.residual()
         self.supports.impose(state, residual, self.system.matrix, tangent=False)
 
-    def tangent(self, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0) -> Tangent:
-        """Return the tangent stiffness at an equilibrium, and the conditions of joints and held strains beside it."""
+    def tangent(
+        self,
+        state: State,
+        t: float = 0.0,
+        *,
+        before: bool = True,
+        scale: float = 1.0,
+        rate_matrix: Matrix | None = None,
+    ) -> Tangent:
+        """Return the tangent stiffness at an equilibrium, and the conditions of joints and held strains beside it.
+
+        ``rate_matrix`` takes the damping, in a basis of all nodes.
+        """
         self.restore(state, t, before=before, scale=scale)
-        return self.tangent_here(state, t, before=before, scale=scale)
+        return self.tangent_here(state, t, before=before, scale=scale, rate_matrix=rate_matrix)
 
     def surely_stable(self, state: State, t: float, *, before: bool, scale: float) -> bool:
         """Return whether the stiffness at an equilibrium is certainly positive, of a small model without conditions.
@@ -314,13 +328,15 @@ class StaticSolver:
         stiffness = supports.reduced_tangent(state, system.residual(), system.matrix)
         return surely_positive(0.5 * (stiffness + stiffness.T))
 
-    def tangent_here(self, state: State, t: float, *, before: bool, scale: float) -> Tangent:
+    def tangent_here(
+        self, state: State, t: float, *, before: bool, scale: float, rate_matrix: Matrix | None = None
+    ) -> Tangent:
         """Return the same with the present stress iterate, which may have been carried to a state near by."""
         system, supports = self.system, self.supports
         supports.update(t, before, scale)
         system.constraints.update(t, before, scale)
         loads = self.loads.at(t, before, scale)
-        system.assemble(state, loads, None, tangent=True, moving=False)
+        system.assemble(state, loads, None, tangent=True, moving=False, rate_matrix=rate_matrix)
         balance = system.residual()
         stiffness, basis = supports.reduce_tangent(state, balance.copy(), system.matrix)
         gradients = None

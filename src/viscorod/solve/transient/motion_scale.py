@@ -20,6 +20,7 @@ from viscorod.mechanics.nodes.carried_motion import Carrier, carry_along
 from viscorod.mechanics.rotations.rotation import motion_extent
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
+from viscorod.solve.modes.undamped import resolved_modes
 from viscorod.solve.modes.vibrations import Linearisation, natural_frequencies
 from viscorod.solve.transient import amplitude
 from viscorod.typing import Floats
@@ -164,10 +165,10 @@ def _response(
     time [s] that it takes to unfold, half a period. ``least`` [rad/s] is added as a frequency, so that free motions
     have a response too.
     """
-    K, M, basis, length = linear.stiffness, linear.mass, linear.basis, supports.problem.length
+    M, basis, length = linear.mass, linear.basis, supports.problem.length
     try:
-        solve = linear.solver(K + least**2 * M)
-        slowest = float(natural_frequencies(linear, 1)[0]) if K.shape[0] else 0.0
+        solve = _solver(linear, least)
+        slowest = float(natural_frequencies(linear, 1)[0]) if M.shape[0] else 0.0
     except SolveError:
         return None, 0.0
 
@@ -189,3 +190,17 @@ def _response(
         return (size, time) if math.isfinite(size + time) else (0.0, 0.0)
 
     return expected, slowest
+
+
+def _solver(linear: Linearisation, least: float) -> Callable[[Floats], Floats]:
+    """Return what solves ``(K + least^2 M) y = b``: by all modes where full matrices tell them, else by factors.
+
+    Raises:
+        SolveError: it is singular.
+    """
+    modes = resolved_modes(linear)
+    if modes is None:
+        return linear.solver(linear.stiffness + least**2 * linear.mass)
+    inverse_squares, shapes = modes
+    shares = 1.0 / (1.0 + least**2 * inverse_squares)
+    return lambda b: np.asarray(shapes @ (shares * (b @ shapes)))

@@ -300,14 +300,14 @@ class Transient:
         parts = [(at - t) / (end - t) for at in times]
         while parts and parts[-1] > 1.0 - 1e-9:
             parts.pop()
-        least, after = -np.inf, self.account.copy()
+        least, driven, after = -np.inf, False, self.account.copy()
         for begin in range(0, len(parts), AT_ONCE):
             some = np.array(parts[begin : begin + AT_ONCE])
             states, share = integrator.between(some)
             loss = share.loss
-            loss[0] = max(loss[0], least)
-            if len(loss) > 1:
-                np.maximum.accumulate(loss, out=loss)  # interpolation must not give energy back
+            driven = driven or bool((np.diff(loss, prepend=0.0 if begin == 0 else loss[0]) < 0.0).any())
+            if not driven:  # interpolation must not give energy back
+                np.maximum(loss, least, out=loss)
             least = loss[-1]
             energy = EnergiesWithin(before, after, some, states.kinetic, share)
             instants = times[begin : begin + len(some)]

@@ -246,7 +246,7 @@ viscorod.Space = class {
 
   placeNames() {
     const [width, height] = [this.canvas.clientWidth, this.canvas.clientHeight];
-    const taken = [];
+    const taken = this.furniture();
     const point = new THREE.Vector3();
     for (const { tag, text, mark, point: fixed, of } of this.names) {
       const words = this.showNames && this.symbols[of].visible ? text() : "";
@@ -262,10 +262,20 @@ viscorod.Space = class {
       tag.hidden = false;
       const wide = tag.offsetWidth;
       let [left, top] = [Math.max(2, Math.min(x, width - wide - 2)), Math.min(y, height - 20)];
-      for (let tries = 0; tries < 8 && taken.some((t) => left < t[0] + t[2] && t[0] < left + wide && Math.abs(top - t[1]) < 17); tries++) top += 17;
-      taken.push([left, top, wide]);
+      const meets = (t) => left < t[0] + t[2] && t[0] < left + wide && top < t[1] + t[3] + 1 && t[1] < top + 17;
+      for (let tries = 0; tries < 12 && taken.some(meets); tries++) top += 17;
+      taken.push([left, top, wide, 16]);
       tag.style.transform = `translate(${left}px, ${top}px)`;
     }
+  }
+
+  /* Boxes of the buttons and of what stands in the legend: left, top, width, height in the view. */
+  furniture() {
+    const view = this.canvas.getBoundingClientRect();
+    return [...document.querySelectorAll("#look button, #legend span")].map((part) => {
+      const box = part.getBoundingClientRect();
+      return [box.left - view.left, box.top - view.top, box.width, box.height];
+    });
   }
 
   drawTriad() {

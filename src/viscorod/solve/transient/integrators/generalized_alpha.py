@@ -227,7 +227,7 @@ class GeneralizedAlpha(MomentumModel):
     @property
     def strain(self) -> float:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
-        return float(np.abs(self._snapshot.strain[:, :3]).max())
+        return float(np.abs(self._snapshot.strain[:, :3]).max(initial=0.0))  # none where bodies are alone
 
     @property
     def section_force(self) -> Floats:

@@ -10,6 +10,7 @@ from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.energy_account import StepShare
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.history import Snapshot, Snapshots
+from viscorod.solve.loss_within_steps import loss_within
 from viscorod.solve.statics.newton import Outcome
 from viscorod.solve.transient.integrators.contract import Inside, Integrator, StepReport
 from viscorod.solve.transient.integrators.linear_model import LinearModel
@@ -263,7 +264,7 @@ class LinearMotion:
                 xi, x = xi + weight * shift, x + weight * speed
             load = self.body.loads(self.t - (1.0 - float(part)) * h, False)
             found.append(Snapshots.of(self.body.snapshot(xi, x, a, load, dashpot)))
-        loss = np.maximum(np.minimum(totals[:, 1], self.loss), 0.0)
+        loss = loss_within(h * until, self._powers[:, 1], self.loss)
         outside, branches = (h * (until @ powers) for powers in (self._powers[:, 2], self._branch_powers))
         still = np.zeros(len(parts))  # no rest strain changes here
         return Inside(Snapshots.joined(found), StepShare(totals[:, 0], loss, outside, still, branches))

@@ -39,6 +39,13 @@ class Midpoint(Collocation):
         self.ends = Ends.of(self.body, driven=system.imposed.changes)
         self._end_twist, self._end_acceleration = np.zeros((2, len(supports.complete), 6))
         self._age = 0
+        self._middle: Floats | None = None  # wrenches of the supports in the middle of the last step
+        self._since = 0.0  # time from there to its end [s]
+
+    def start(self, t: float, state: State) -> None:
+        """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
+        super().start(t, state)
+        self._middle, self._since = None, 0.0
 
     def accept(self) -> None:
         """See :class:`~viscorod.solve.transient.integrators.contract.Integrator`."""
@@ -103,7 +110,8 @@ class Midpoint(Collocation):
 
     def _end_step(self, end: StepEnd, kinetic: float) -> None:
         """Extrapolate from the middle to the end of the step, and evaluate the forces there."""
-        del end, kinetic
+        del kinetic
+        reaction = self._extrapolated(end.reactions[-1].copy())
         ends, stages = self.ends, self.stages
         twist = 2.0 * stages.twist[0] - self.state.twist
         self.forces.extrapolate_strains(self._whole_strain(0))
@@ -117,6 +125,19 @@ class Midpoint(Collocation):
             self.system.constraints.update(self._end, True)
             self.stage_constraints.end_step(state, self._end - self.t, stage=False)
         self._evaluate_state(self._end, state, before=True, acceleration=acceleration)
+        self.recorder.snapshot = self.recorder.snapshot._replace(reaction=reaction)
+
+    def _extrapolated(self, middle: Floats) -> Floats:
+        """Return wrenches of supports at the end of a step, on the line through two middles, or start and middle.
+
+        Those evaluated at the end have accelerations of the middle, and rates of strains that alternate from one end
+        to the next where viscosity is stiff.
+        """
+        earlier = self.recorder.snapshot.reaction if self._middle is None else self._middle
+        half = 0.5 * (self._end - self.t)
+        found: Floats = middle + half * (middle - earlier) / (self._since + half)
+        self._middle, self._since = middle, half
+        return found
 
     def _evaluate_state(self, t: float, state: State, *, before: bool, acceleration: Floats) -> None:
         super()._evaluate_state(t, state, before=before, acceleration=acceleration)

@@ -66,7 +66,7 @@ class MomentumModel:
         system: GeometricSystem,
         supports: SupportState,
         *,
-        spectral_radius: float = 0.8,
+        spectral_radius: float,
         tolerance: float | None = None,
         newton_tolerance: float = 1e-9,
         iterations: int = 12,

@@ -10,6 +10,7 @@ from viscorod.mechanics.rotations.pose_interpolation import MovingPoses, interpo
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot, Snapshots
+from viscorod.solve.loss_within_steps import drives, loss_within
 from viscorod.solve.transient.integrators.inner_stages import go_through_stages
 from viscorod.solve.transient.integrators.record_kernels import (
     Between,
@@ -193,6 +194,8 @@ class StepRecorder:
             joints,
         )
         work, loss, outside = shares
+        if drives(powers[1]):
+            loss = loss_within(h * self.tableau.partial_weights(parts), powers[1], whole_loss)
         return snapshots, work, loss, outside, nothing
 
 
