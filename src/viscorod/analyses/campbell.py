@@ -29,7 +29,12 @@ from viscorod.results.campbell import Campbell
 from viscorod.solve.settings.campbell import CampbellSettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.driven_rotations import DrivenRotations
-from viscorod.solve.steady.steady_checks import SupportKind, require_steady, support_kind
+from viscorod.solve.steady.steady_checks import (
+    SupportKind,
+    beside_the_axis,
+    require_steady,
+    support_kind,
+)
 from viscorod.solve.steady.whirl import Rounds
 from viscorod.solve.tracking.engine_orders import Critical, critical_speeds
 from viscorod.solve.tracking.meetings import meetings
@@ -43,6 +48,23 @@ _SEEN_ON_MODEL = (
     "excites it where a frequency seen from outside is that of the speed, which the critical speeds here are not; "
     "frame = 'space' has them"
 )
+
+NEUTRAL = 2e-3
+"""Part of the speed below which a root may be the rounding of one that is zero."""
+
+
+def _neutral(samples: Sequence[Sample], names: Sequence[str]) -> list[str]:
+    """Return a doubt of modes that are hardly more than rounding at most of the speeds."""
+    still = np.array([np.abs(one.roots) <= NEUTRAL * one.parameter for one in samples])
+    found = np.flatnonzero(still.mean(axis=0) >= 0.5)
+    if not len(found):
+        return []
+    listed = ", ".join(dict.fromkeys(str(names[int(k)]) for k in found))
+    return [
+        f"modes that neither swing nor grow are among those that were followed ({listed}): nothing resists them, as "
+        "the spin of a round rod about itself on a ball joint; their roots and limits of stability are rounding. Hold "
+        "that motion, such as rx of a support in place of a pin"
+    ]
 
 
 def rotations(discrete: DiscreteModel, settings: CampbellSettings) -> DrivenRotations:
@@ -111,7 +133,11 @@ def _followed(discrete: DiscreteModel, finer: DiscreteModel | None, settings: Ca
         **_critical_variables(critical, errors),
     }
     coordinates |= {"speed": np.array(speeds), "engine_order": np.array(settings.engine_orders, dtype=float)}
-    notes = doubts("speed", samples, names, errors, tracker)
+    notes = [
+        *beside_the_axis(discrete.problem, settings.steady()),
+        *_neutral(samples, names),
+        *doubts("speed", samples, names, errors, tracker),
+    ]
     if "frame" not in settings.model_fields_set and diagram.whirls:
         notes.insert(0, _SEEN_ON_MODEL)
     attrs = common_attributes(

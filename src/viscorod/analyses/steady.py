@@ -26,7 +26,7 @@ from viscorod.solve.settings.steady import SteadySettings
 from viscorod.solve.statics.newton import interruption
 from viscorod.solve.steady.rotation_search import Search
 from viscorod.solve.steady.stability import FAR, SLOW, Stability
-from viscorod.solve.steady.steady_checks import require_steady
+from viscorod.solve.steady.steady_checks import beside_the_axis, require_steady
 from viscorod.solve.steady.steady_rotation import SteadyRotation
 
 __all__ = ["steady_rotation"]
@@ -101,7 +101,11 @@ def _arrays(
         "unstable": stability.unstable,
         "neutral": stability.neutral,
         "growth_rate": stability.growth,
-        "warnings": json.dumps(json.loads(discrete.attributes.get("warnings", "[]")) + _doubts(stability)),
+        "warnings": json.dumps(
+            json.loads(discrete.attributes.get("warnings", "[]"))
+            + beside_the_axis(discrete.problem, settings)
+            + _doubts(stability)
+        ),
     }
     mesh = discrete.watch.once_asked(partial(discrete.watch.see_steady, snapshot, speed))
     states = discrete.arrays("steady", history, attrs, mesh)

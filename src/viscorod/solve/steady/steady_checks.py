@@ -108,6 +108,21 @@ def require_steady(
         raise InputError(faults)
 
 
+def beside_the_axis(problem: Problem, settings: SteadySettings) -> list[str]:
+    """Return a doubt where one pin holds a model off the axis through the origin, about which it does not turn."""
+    if not settings.driven or settings.centre is not None or support_kind(problem) is not SupportKind.JOINT:
+        return []
+    spin = np.asarray(settings.spin, dtype=float)
+    pin = problem.positions[problem.supports.nodes[0]]
+    if np.linalg.norm(np.cross(pin, spin)) <= PARALLEL * problem.length * np.linalg.norm(spin):
+        return []
+    where = ", ".join(f"{x:.6g}" for x in pin + 0.0)
+    return [
+        f"a single pin is a ball joint at rest: the model turns about the pin at ({where}) m, not about an axis "
+        "through the origin; give centre = (0, 0, 0) where a hub carries the pin round, or its place if it is meant"
+    ]
+
+
 def _size(problem: Problem, settings: SteadySettings) -> Iterator[Fault]:
     points = 6 * sum(e.section.size for e in problem.sets)
     unknowns = 6 * problem.size + points
