@@ -131,7 +131,7 @@ def main() -> None:
     bare = [sys.executable, "-c", "pass"]
     package = [sys.executable, "-c", "import viscorod"]
     imports = [sys.executable, "-c", "import viscorod as vr; vr.Model, vr.Rod, vr.Material"]
-    used = "numba,scipy.linalg,scipy.sparse,scipy.optimize,scipy.interpolate,xarray,h5netcdf,pydantic,typer"
+    used = "numba,scipy.linalg,scipy.sparse.csgraph,scipy.interpolate,h5netcdf,pydantic,typer"
     drawn = "matplotlib.figure,matplotlib.backends.backend_agg"
     # with as little garbage collection as the command has, and its end
     libraries = [

@@ -68,7 +68,8 @@ def draw_modes(
         seen = f"{view.name}, edges of what twists" if swing.edge else view.name
         view.prepare(axes, _name(k, modes) + (f"\n{seen}" if ax is None else ""))
         # what is coiled stands side by side: at rest, and at both ends of the swing
-        shifts = view.strip(np.stack([base] * 3)) if coiled else np.zeros((3, 3))
+        ends = base + np.array([0.0, 1.0, -1.0])[:, None, None] * swing.moved
+        shifts = view.strip(ends) if coiled else np.zeros((3, 3))
         for sign, shift, style in zip((0.0, 1.0, -1.0), shifts, _styles(result), strict=True):
             for line in swing.lines(sign):
                 curves.draw(axes, view, line + shift, **style)
