@@ -72,5 +72,5 @@ def _ends_of_pairs(problem: Problem) -> tuple[Integers, Integers, tuple[Integers
         np.stack([np.concatenate([part[:, side].ravel() for part in parts]) for side in _SIDES])
         for parts in ([e.nodes for e in problem.sets], [e.links for e in problem.sets])
     )
-    linked: tuple[Integers, Integers] = np.nonzero(links >= 0)
-    return nodes, links[linked], linked
+    sides, pairs = np.nonzero(links >= 0)
+    return nodes, links[sides, pairs], (sides, pairs)
