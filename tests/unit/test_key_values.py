@@ -101,3 +101,8 @@ def test_what_is_given_twice_or_in_brackets_is_refused(command, words, tmp_path,
     assert told.exit_code == 2
     assert words in flat(told.stderr)
     assert not list(tmp_path.iterdir())
+
+
+def test_parameters_with_units_are_told_where_units_go():
+    with pytest.raises(vr.InputError, match=r'9.5 mm is no number.*"width \[mm\]=uniform'):
+        drawn("width=uniform(9.5 mm, 1)")

@@ -39,10 +39,11 @@ def test_members_with_the_same_values_are_computed_once(held, executor, tmp_path
     soft, stiff = (tip_of(modulus) for modulus in (1e6, 2e6))
     assert found.table()["tip"].tolist() == [soft, stiff, soft, soft]
     assert len(records_in(tmp_path / "s")) == 2
-    assert "members 2 (0), 3 (0) have the values of the one in brackets" in str(found)
+    assert "members with the same values are computed once: 2 is 0, 3 is 0" in str(found)
     again = vr.sweep(held, given, **asked)
     assert again.table()["tip"].tolist() == [soft, stiff, soft, soft]
     assert len(records_in(tmp_path / "s")) == 2
+    assert again.notes == found.notes
 
 
 def test_whole_results_and_failures_are_those_of_all_that_are_alike(held):

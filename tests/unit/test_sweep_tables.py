@@ -624,7 +624,7 @@ def test_functions_count_with_what_they_take_from_around_them(held, tmp_path):
 def test_wrong_values_among_many_members_are_found_before_any_is_computed(held, monkeypatch):
     """Those that are not looked at one by one: the least and the largest of every key are."""
     monkeypatch.setattr(import_module("viscorod.analyses.sweep"), "LOOKED_AT", 4)
-    widths = [0.01] * 20
+    widths = np.linspace(0.01, 0.011, 20).tolist()
     given = {"quantities": {"tip": TIP}, "workers": 1, "errors": 0}
     for wrong, text in ((-0.01, "-0.01"), (math.nan, "nan"), ("-3 mm", "-0.003")):
         changed = [*widths[:11], wrong, *widths[12:]]

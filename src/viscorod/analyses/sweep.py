@@ -128,9 +128,8 @@ def sweep(
     chosen = _chosen(len(rows), members)
     for k in [k for k in chosen if retry and k in found and not found.is_completed(k)]:
         del found[k]
-    due = [k for k in chosen if k not in found]
-    same = alike(rows, due)
-    due = [k for k in due if k not in same]
+    same = alike(rows, chosen)
+    due = [k for k in chosen if k not in found and k not in same]
     # what is there already was looked at before
     some = list(dict.fromkeys([0, *due[:LOOKED_AT], *_extremes(rows, due[LOOKED_AT:])]))
     work = MemberWork(case.content, case.title, case.source, wanted, keep, store)

@@ -174,7 +174,10 @@ def drawn(text: str) -> tuple[str, Any]:
         try:
             number = float(value)
         except ValueError:
-            raise InputError(f"--draw {text}: {part.strip()} is no number") from None
+            raise InputError(
+                f"--draw {text}: {part.strip()} is no number; give numbers in SI, or their unit behind the key: "
+                f'"{key.strip()} [mm]={found[1]}(...)"'
+            ) from None
         if equal:
             names[name.strip()] = number
         else:

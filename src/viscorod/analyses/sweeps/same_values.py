@@ -41,7 +41,6 @@ def alike_note(found: Mapping[int, int]) -> list[str]:
     """Return what is said of members with the values of others."""
     if not found:
         return []
-    few = ", ".join(f"{k} ({one})" for k, one in islice(found.items(), NAMED))
+    few = ", ".join(f"{k} is {one}" for k, one in islice(found.items(), NAMED))
     more = f" and {len(found) - NAMED} more" if len(found) > NAMED else ""
-    which = f"member {few} has" if len(found) == 1 else f"members {few}{more} have"
-    return [f"{which} the values of the one in brackets, which is computed for both"]
+    return [f"members with the same values are computed once: {few}{more}"]
