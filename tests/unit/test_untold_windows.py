@@ -1,9 +1,12 @@
 """Records that were multiplied by an exponential window which nobody told: a ratio that is too large is doubted."""
 
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.analyses.identification.common_faults import nuisances_left
 from viscorod.casefile.case import case_from_dict
 from viscorod.records.record_table import record_of
 
@@ -120,3 +123,24 @@ def test_a_record_of_which_next_to_nothing_is_explained_is_named():
     wrong = vr.identify(BAR, record, {MODULUS: 1.02e8}, profile=False)
     (told,) = [one for one in wrong.sentences if "% of the variance of beam.end: next to all of it is" in one]
     assert "Is beam.end, displacement y its place and direction?" in told
+
+
+@pytest.mark.parametrize(("gain", "said"), [(1.0, False), (0.96, True)])
+def test_a_gain_that_hides_in_the_damping_is_named(gain, said):
+    """A camera that looks 16 degrees askew; most of what is left is noise, and the ratio is far off its interval."""
+    rate, hertz = 2.0 * np.pi * 5.7 * 0.009, 5.7
+    slopes = np.column_stack([-TIMES * swing(), np.gradient(swing(), TIMES) * TIMES / hertz])
+    off = (gain - 1.0) * swing() + 0.01 * np.random.default_rng(3).normal(size=300)
+    change = np.linalg.lstsq(slopes, off, rcond=None)[0]
+    fit = SimpleNamespace(
+        residuals=off - slopes @ change,
+        predicted=swing() + slopes @ change,
+        slopes=slopes,
+        unknowns=SimpleNamespace(names=["rate", "frequency"]),
+    )
+    told = list(nuisances_left(vr.Record(TIMES, gain * swing(), name="tip", **ABOUT), fit, slice(None)))
+    assert (abs(change[0]) > 0.05 * rate) == said
+    assert len(told) == said
+    if said:
+        assert "another gain would leave, which would move rate by" in told[0]
+        assert "give it unknown = ['gain']" in told[0]

@@ -22,7 +22,7 @@ from viscorod.records.read_off import direction_text
 from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.typing import Floats
 
-__all__ = ["common_faults"]
+__all__ = ["common_faults", "nuisances_left"]
 
 STILL = 1e-6
 """Part of the measured range below which the model does not move."""
@@ -39,6 +39,8 @@ EXPLAINED = 0.6
 """Part of the power of what is left that an unknown must explain to be named."""
 NEXT_TO_NOTHING = 0.1
 """Part of a record's variance that a model explains below which it is next to nothing."""
+PARTLY, MOVES = 0.25, 3.0
+"""The same of an unknown that would move a number by so many of its standard errors: noise may be the rest."""
 HINTS = {
     "offset": "an offset of its zero",
     "drift": "a drift of its zero",
@@ -125,7 +127,7 @@ def _faults(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
             "give it an unknown gain with bounds about that."
         )
         return
-    yield from _nuisances(record, best, rows)
+    yield from nuisances_left(record, best, rows)
 
 
 def _windowed(record: Record, best: Estimate, rows: slice, *, swings: bool) -> list[str]:
@@ -184,7 +186,7 @@ def _off_rest(values: Floats) -> float:
     return (float(np.mean(values[: max(count // 50, 1)])) - rest) / max(float(np.ptp(values)), 1e-300)
 
 
-def _nuisances(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
+def nuisances_left(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
     """Tell which number of the measurement, not sought so far, would explain most of what is left."""
     known = {one.name for one in record.nuisances.values()}
     residual, predicted = best.residuals[rows], best.predicted[rows]
@@ -194,17 +196,29 @@ def _nuisances(record: Record, best: Estimate, rows: slice) -> Iterator[str]:
         "gain": predicted - predicted.mean(),
         "release_time": np.gradient(predicted, record.times),
     }
-    q = np.linalg.qr(best.slopes[rows])[0]
+    slopes = best.slopes[rows]
+    q, r = np.linalg.qr(slopes)
     left = residual - q @ (q.T @ residual)
-    shares = {}
+    power = max(float(left @ left), 1e-300)
+    shares, moves = {}, {}
     for name, shape in shapes.items():
         own = shape - q @ (q.T @ shape)
         size = float(own @ own)
         if name not in known and size > 1e-6 * float(shape @ shape):
-            shares[name] = float(own @ left) ** 2 / (size * max(float(left @ left), 1e-300))
+            part = float(own @ left) / size
+            shares[name] = part**2 * size / power
+            inverse = np.linalg.pinv(r)
+            errors = np.linalg.norm(inverse, axis=1) * np.sqrt(power / len(left))
+            moves[name] = np.abs(inverse @ (q.T @ shape)) * abs(part) / np.maximum(errors, 1e-300)
     name = max(shares, key=lambda one: shares[one], default="")
-    if name and shares[name] > EXPLAINED:
-        yield (
-            f"{100.0 * shares[name]:.0f} % of what is left of {record.name} is what {HINTS[name]} would leave: if it "
-            f"may have one, give it unknown = ['{name}']."
+    if not name or shares[name] <= PARTLY:
+        return
+    most = int(np.argmax(moves[name]))
+    moved = float(moves[name][most])
+    if shares[name] > EXPLAINED or moved > MOVES:
+        text = (
+            f"{100.0 * shares[name]:.0f} % of what is left of {record.name} is what {HINTS[name]} would leave"
         )
+        if moved > MOVES:
+            text += f", which would move {best.unknowns.names[most]} by {moved:.2g} standard errors"
+        yield f"{text}: if it may have one, give it unknown = ['{name}']."
