@@ -1,15 +1,20 @@
 """One outcome for one version of the code: the same random examples each time, and nothing skipped where CI runs."""
 
+import functools
 import gc
 import os
 
 import pytest
+import typer.testing
 from hypothesis import HealthCheck, settings
 
 # tests run side by side: threads of the linear algebra would only wait for each other
 os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 pytest.register_assert_rewrite("helpers.measured_orders")
+
+# the commands are the same at every call, as they are in a process of their own, which makes them once
+typer.testing._get_command = functools.cache(typer.testing._get_command)
 
 # how long an example takes says something about the machine, not about the code
 ANY_SPEED = {"deadline": None, "suppress_health_check": [HealthCheck.too_slow]}

@@ -121,8 +121,9 @@ def test_case_has_the_number_of_its_source(name, tmp_path, monkeypatch):
         assert result.exit_code == 0, result.output
     run = vr.load(f"out/{name}/run.nc")
     assert run.outcome == "completed"
-    assert str(run) == run.report()
-    assert run.report() in result.output
+    report = run.report()
+    assert str(run) == report
+    assert report in result.output
     for variable in run.data.variables.values():
         if variable.dtype.kind == "f":
             assert np.isfinite(variable.values).all()

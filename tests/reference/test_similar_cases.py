@@ -37,6 +37,9 @@ NEXT = {"x": "y", "y": "z", "z": "x"}
 def first_steps(content):
     """Some steps of a case, or of one that ends at a displacement along an axis."""
     count = 0
+    if "path" in content:  # which seeks special points between its points on a coarse mesh too
+        rods = {name: rod | {"elements": 2, "order": 3} for name, rod in content["rods"].items()}
+        content = content | {"rods": rods}
     if "simulate" in content:  # steps that do not depend on the rounding of an estimated error
         content = content | {"simulate": {"tolerance": 1e-4} | content["simulate"]}
 

@@ -29,18 +29,42 @@ def test_shipped_cases_fit(name):
     VALIDATOR.validate(tomllib.loads(FILES[name].read_text(encoding="utf-8")))
 
 
+def entries(content):
+    """Entries of a case one by one, each as the table that has it alone: ``(word, name or number, {word: entry})``."""
+    for word, part in content.items():
+        if isinstance(part, dict) and word in NAMED:
+            yield from ((word, name, {word: {name: entry}}) for name, entry in part.items())
+        elif isinstance(part, list):
+            yield from ((word, number, {word: [entry]}) for number, entry in enumerate(part))
+        else:
+            yield word, None, {word: part}
+
+
+NAMED = ("materials", "sections", "rods", "bodies")
+"""Tables whose keys are names of the user."""
+ENTRY = jsonschema.Draft7Validator(
+    {key: value for key, value in SCHEMA.items() if key not in ("anyOf", "oneOf")}
+)
+"""What each table of a case has to fit, whichever others are there."""
+
+
 @pytest.mark.parametrize("name", CASES)
 def test_wrong_keys_do_not_fit(name):
-    """A key that nothing knows, in every table whose keys are not names of the user."""
-    for path in [(), *spots(CASES[name])]:
-        content = copy.deepcopy(CASES[name])
-        table = content
-        for key in path:
-            table = table[key]
-        names = path in {("materials",), ("sections",), ("rods",), ("bodies",)} or path[-1:] == ("points",)
-        if isinstance(table, dict) and not names:
-            table["nothing_reads_this"] = 1.0
-            assert not VALIDATOR.is_valid(content), path
+    """A key that nothing knows, in every table whose keys are not names of the user.
+
+    Tables fit one by one, without what a case must have: each is damaged alone.
+    """
+    assert not VALIDATOR.is_valid(CASES[name] | {"nothing_reads_this": 1.0})
+    for word, entry, alone in entries(CASES[name]):
+        assert ENTRY.is_valid(alone), (word, entry)
+        for path in spots(alone):
+            content = copy.deepcopy(alone)
+            table = content
+            for key in path:
+                table = table[key]
+            if isinstance(table, dict) and path not in {(one,) for one in NAMED} and path[-1:] != ("points",):
+                table["nothing_reads_this"] = 1.0
+                assert not ENTRY.is_valid(content), (entry, path)
 
 
 @pytest.mark.parametrize(

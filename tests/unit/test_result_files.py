@@ -20,6 +20,7 @@ from viscorod.casefile.case import case_from_dict
 from viscorod.results.files import storage
 from viscorod.results.files.checked_array import CheckedArray, OpenFile
 from viscorod.results.files.checksums import NAME
+from viscorod.results.files.known_items import FileOfKnownItems
 from viscorod.results.files.pieces_of_arrays import cuts, piece_shape
 
 
@@ -390,3 +391,21 @@ def test_a_run_that_went_to_disk_has_checksums_too(tmp_path, monkeypatch):
     assert loaded.data.identical(run.data)
     assert NAME not in loaded.data.attrs
     assert np.array_equal(loaded.time, 0.002 * np.arange(101))
+
+
+def test_a_file_that_knows_its_arrays_forgets_what_is_deleted(tmp_path):
+    """Identity: an array that takes the name of a deleted one is found, at the top and in a group."""
+    with FileOfKnownItems(tmp_path / "arrays.h5", "w") as file:
+        file["x"] = [1.0]
+        assert file["x"] is file["/x"]
+        assert file["/"]["x"] == file["x"]
+        del file["/"]["x"]
+        file["x"] = [2.0]
+        assert file["x"][0] == 2.0
+        del file["x"]
+        assert "x" not in file
+        group = file.create_group("part")
+        for value in (1.0, 2.0):
+            group["y"] = [value]
+            assert file["part/y"][0] == file["/part/y"][0] == value
+            del group["y"]

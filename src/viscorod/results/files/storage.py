@@ -106,10 +106,11 @@ def _write_parts(
     piece: float,
 ) -> None:
     import h5netcdf
-    import h5py
+
+    from viscorod.results.files.known_items import FileOfKnownItems
 
     check = output.require_written if isinstance(output, Hdf5Output) else None
-    with h5py.File(output, "w", libver=FORMAT, track_order=True) as stored:
+    with FileOfKnownItems(output, "w", libver=FORMAT, track_order=True) as stored:
         with h5netcdf.File(stored, "w") as file:
             for group, data in parts.items():
                 pieces = _Pieces(check, before, piece)
@@ -118,6 +119,7 @@ def _write_parts(
                 else:
                     _write_data_set(file, data, group, pieces)
                 pieces.write_rows()
+        stored.forget()
         if check is not None:
             check()
             seal(stored)
@@ -213,27 +215,28 @@ def read(path: str | Path, group: str | None = None) -> xr.Dataset:
     Raises:
         InputError: no such file, not a netCDF4 file, or a damaged one.
     """
-    import h5py
+    import h5netcdf
     import xarray as xr
+    from xarray.backends import H5NetCDFStore
 
     from viscorod.results.files.checked_array import OpenFile, checked
+    from viscorod.results.files.known_items import FileOfKnownItems
 
     path = Path(path)
     if not path.is_file():
         raise InputError(f"{path} is not a file; name a run.nc that viscorod wrote")
     with reading(path):
         require_tail_fits(path)
-        with h5py.File(path, "r") as file:
+        with FileOfKnownItems(path, "r") as file:
             size = require_plain(file, path)
             require_written(file, path)
             sums = stored_sums(file)
             if sums is not None:
                 require_unchanged(file, sums, path)
             require_levels_readable(file if group is None else file[group], path)
-        # numbers stand as they are: nothing in the file may scale them, or call them gaps or dates
-        with xr.open_dataset(
-            path, engine="h5netcdf", group=group, cache=False, mask_and_scale=False, decode_times=False
-        ) as found:
+            store = H5NetCDFStore(h5netcdf.File(file, "r", decode_vlen_strings=True), group=group or "/")
+            # numbers stand as they are: nothing in the file may scale them, or call them gaps or dates
+            found = xr.open_dataset(store, cache=False, mask_and_scale=False, decode_times=False)
             source = OpenFile(path)
             variables = {
                 name: checked(variable, str(name), group, source, sums)
