@@ -38,12 +38,19 @@ class CasePredictions:
     Derivatives by numbers of a case are those of its result. Rough ones, which lead a search, are differences of
     results on one mesh, as are all where a result has none: along a path, by a number of the settings. Those by numbers
     of a measurement need no further result.
+
+    Args:
+        members: the cases; unknowns: that they are predicted by; believed: numbers of unknowns with beliefs.
+        exact: whether slopes are ever wanted that are better than rough.
     """
 
     accuracy = ACCURACY
 
-    def __init__(self, members: Sequence[Member], unknowns: Unknowns, believed: Sequence[int]) -> None:
+    def __init__(
+        self, members: Sequence[Member], unknowns: Unknowns, believed: Sequence[int], *, exact: bool = True
+    ) -> None:
         self._members, self._unknowns, self._believed = members, unknowns, list(believed)
+        self._exact = exact
         self._last: tuple[bytes, list[Floats]] | None = None
         self._steep: _Steep | None = None
 
@@ -53,7 +60,7 @@ class CasePredictions:
 
     def jacobian(self, unknowns: Floats, *, rough: bool = False) -> Floats:
         """See `Predictions`."""
-        key = unknowns.tobytes()
+        key, rough = unknowns.tobytes(), rough or not self._exact
         if self._steep is None or self._steep.key != key or (self._steep.rough and not rough):
             parts = zip(self._members, self._parts(unknowns), strict=True)
             blocks = [self._slopes(member, here, unknowns, rough=rough) for member, here in parts]

@@ -123,6 +123,7 @@ class _Search:
         *,
         coloured: bool,
         report: Callable[[str], None] | None = None,
+        exact: bool = True,
     ) -> Fitted:
         unknowns, beliefs = sought(members, self.parameters, self.nuisances, free=self.only_nuisances)
         measured, series = series_of(members, unknowns, beliefs)
@@ -132,7 +133,7 @@ class _Search:
                 Fault("records", found, "there must be more values", "measure more, or seek less")
             )
         best = estimate(
-            CasePredictions(members, unknowns, [number for number, *_ in beliefs]),
+            CasePredictions(members, unknowns, [number for number, *_ in beliefs], exact=exact),
             measured,
             series,
             unknowns,
@@ -152,7 +153,8 @@ def _led_by_first_cycles(given: _Search, pairs: Pairs, first: Fitted, *, coloure
     begin: dict[str, float] = {}
     try:
         for short in growing_windows(pairs):
-            begin = given.fitted(on_meshes_of(first, short), 1, begin, coloured=False).named
+            led = given.fitted(on_meshes_of(first, short), 1, begin, coloured=False, exact=False)
+            begin = led.named
         return given.fitted(on_meshes_of(first, pairs), 1, begin, coloured=coloured) if begin else None
     except (SolveError, InputError):
         return None

@@ -27,6 +27,7 @@ def modes(
     value: Annotated[
         list[str] | None,
         typer.Option(
+            metavar="COLUMNS",
             help="Column of a complex response, or REAL,IMAGINARY, or MAGNITUDE,PHASE; by name or number from 1. "
             "May be repeated [default: print the columns]",
             show_default=False,

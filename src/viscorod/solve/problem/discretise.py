@@ -19,7 +19,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.model.rod import Rod
 from viscorod.solve.constraints.strain_multipliers import held_strains
 from viscorod.solve.problem.division import Divisions
-from viscorod.solve.problem.layout import Layout, chosen_layout, layout_behind, layout_of
+from viscorod.solve.problem.layout import Layout, chosen_layout, layout_of
 from viscorod.solve.problem.load_placing import place_loads
 from viscorod.solve.problem.massless_turns import refuse_massless_turns
 from viscorod.solve.problem.mesh import Mesh, element_sets
@@ -102,7 +102,7 @@ def discretise_beside(problem: Problem, model: ModelDescription, other: ModelDes
     Raises:
         InputError: the model has bodies that turn without inertia.
     """
-    layout = layout_behind(problem)
+    layout: Layout | None = problem.layout
     if layout is None or any(
         not _are_same(getattr(model, name), getattr(other, name)) for name in OF_NO_SECTION
     ):
@@ -145,6 +145,7 @@ def _laid_alike(rod: Rod, other: Rod) -> bool:
 
 def _of_layout(problem: Problem, layout: Layout) -> Problem:
     """Let a problem share what was found of its layout."""
+    object.__setattr__(problem, "layout", layout)
     object.__setattr__(problem, "of_layout", layout.found)
     return problem
 

@@ -27,13 +27,10 @@ from viscorod.solve.problem.joint_set import JointSet, joint_set
 from viscorod.solve.problem.mesh import Mesh, SetPlaces, divide, element_nodes, join, set_places, stations_of
 from viscorod.solve.problem.model_parts import Alike, computed, part_token, shape_token, token
 from viscorod.solve.problem.placement import MeshPlace, Placement
-from viscorod.solve.problem.problem import Bodies, Problem, Stations, SupportSet
+from viscorod.solve.problem.problem import Bodies, Stations, SupportSet
 from viscorod.typing import Integers
 
-__all__ = ["Layout", "chosen_layout", "layout_behind", "layout_of"]
-
-ITSELF = "layout"
-"""Name under which a layout is among what was found of it."""
+__all__ = ["Layout", "chosen_layout", "layout_of"]
 
 MOST_NODES = 2_000
 """Nodes of a model beyond which its layout is not kept: it is a small part of the work then."""
@@ -101,12 +98,6 @@ def chosen_layout(model: ModelDescription) -> Layout:
     return layout_of(model, chosen_divisions(model)) if found is None else found
 
 
-def layout_behind(problem: Problem) -> Layout | None:
-    """Return the layout that a problem has; None of a problem that was made of another one by changing a field."""
-    found: Layout | None = problem.of_layout.get(ITSELF)
-    return found
-
-
 def _is_kept(model: ModelDescription, divisions: Divisions) -> bool:
     """Return whether the layout of a model is kept: it is small, and no function says where its nodes are."""
     nodes = sum(division.order * division.count + 1 for division in divisions.values())
@@ -156,7 +147,7 @@ def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
     elements = [element_nodes(shared, m.order) for m, shared in zip(mesh.rods, mesh.shared, strict=True)]
     multipliers = joints.blocks + held_rows
     pattern = Pattern.of(nodes + multipliers, [*elements, *joints.cliques(nodes), *held_members])
-    layout = Layout(
+    return Layout(
         mesh=mesh,
         pattern=pattern,
         bodies=places.bodies(),
@@ -170,8 +161,6 @@ def _laid_out(model: ModelDescription, divisions: Divisions) -> Layout:
         sets=set_places(mesh, pattern),
         spots=places.spots,
     )
-    layout.found[ITSELF] = layout
-    return layout
 
 
 def _mesh(model: ModelDescription, divisions: Divisions) -> Mesh:

@@ -191,6 +191,7 @@ class Problem:
         functions: factors of loads that are Python functions, by the number of the load.
         periods: of harmonic loads and motions [s].
         of_layout: what was found of nodes, couplings and supports alone, by name; problems of one layout share it.
+        layout: that it was made on; None of a problem that was made of another one by changing a field.
     """
 
     rods: tuple[str, ...]
@@ -226,6 +227,7 @@ class Problem:
     functions: Mapping[int, FunctionOfTime]
     periods: tuple[float, ...]
     of_layout: dict[str, Any] = field(init=False, default_factory=dict, compare=False, repr=False)
+    layout: Any = field(init=False, default=None, compare=False, repr=False)
 
     @property
     def size(self) -> int:
