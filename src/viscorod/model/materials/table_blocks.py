@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, replace
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import MEASURE, Heading, heading, unit_of
 from viscorod.model.materials.column_units import NOUNS, refuse_unit
+from viscorod.model.materials.other_moduli import enough, spared
 from viscorod.model.materials.table_text import SEPARATORS, Numbers, looks_like_a_number, wide_words, words
 from viscorod.model.materials.table_wide import (
     Label,
     celsius,
-    enough,
     labelled,
     labels_above,
     labels_within,
@@ -158,7 +158,9 @@ def _names(lines: list[str], number: int) -> Block | None:
         cells = _trimmed(divide(line))
         if cells[:1] in (["#"], ["%"]) and len(cells) - 1 == _first_count(lines[number:], below):
             cells = cells[1:]
-        columns = {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
+        columns = spared(
+            {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
+        )
         kinds = {found.kind for found in columns.values()}
         labels: dict[int, Label] = {}
         if not kinds & {"frequency", "angular"} or not enough(kinds):
@@ -206,7 +208,10 @@ def _first_count(lines: list[str], divide: Callable[[str], list[str]]) -> int:
 def _is_units(cells: list[str]) -> bool:
     """Return whether cells below the names are units: no numbers, one of them a unit of a frequency or modulus."""
     return not any(looks_like_a_number(cell) and cell != "1" for cell in cells) and any(
-        unit_of(cell, measure) for cell in cells if cell for measure in ("frequency", "modulus")
+        unit_of(cell, measure)
+        for cell in cells
+        if cell
+        for measure in ("frequency", "modulus", "compliance", "viscosity")
     )
 
 
