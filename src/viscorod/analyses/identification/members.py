@@ -70,7 +70,7 @@ STEPS = 1e-4
 """What steps of motions may err by over the size of the model, unless the case says; differences need it."""
 LINES = 1000
 """Frequencies of records up to which responses are computed at these, not on straight lines between others."""
-MOST_STATES = 100
+MOST_STATES = 50
 """The same of loads and equilibria."""
 BEFORE = 0.1
 """Part of a record by which its release may be sought before where it starts."""
