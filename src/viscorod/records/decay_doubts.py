@@ -66,8 +66,8 @@ def doubts(
     if len(held) and held[-1] < part.times[0]:
         or_held = ", or the rod held there," if held[0] == record.times[0] else ""
         found.append(
-            f"the largest values come several times in a row: the record is clipped until {held[-1]:.4g} s{or_held} and "
-            f"used from {part.times[0]:.4g} s on"
+            f"the largest values come several times in a row: the record is clipped until {held[-1]:.4g} s{or_held} "
+            f"and used from {part.times[0]:.4g} s on"
         )
     elif len(held):
         found.append(
