@@ -58,7 +58,7 @@ _HOW = (
     r"compression|axial|extensional|elongational|extension|linear|schub|scher|zug|biege|torsions|elastischer?|dynamischer?)?"
 )
 _SYMBOL = r"\(?[egm]('|\*)?\)?"
-_FREQUENCY = r"(freq|freqs|frequency|frequencies|frequenz|fréquence)"
+_FREQUENCY = r"(freq|freqs|frequency|frequencies|frequenz|fréquence|frecuencia|frequenza|frequência)"
 _YIELD = r"(compliance|komplianz|nachgiebigkeit)"
 _FLOW, _ETA = r"(viscosity|viskosität|viskositaet)", r"(η|eta)"
 KINDS: dict[str, str] = {
