@@ -28,3 +28,38 @@ def test_a_swing_within_two_levels_is_no_part_of_a_decay(levels, offset):
     width = found.data.damping_ratio_width.values[0]
     assert abs(found.damping_ratios[0] - 0.02) < 2.0 * width < 0.002
     assert not any("in motion again" in text for text in found.warnings)
+
+
+def rubbed(times, hertz, ratio, friction):
+    """Return a swing with viscous and dry friction: damped cosines about +-friction, one for each half cycle."""
+    omega = 2.0 * np.pi * hertz
+    damped = omega * np.sqrt(1.0 - ratio**2)
+    half = np.pi / damped
+    turning, values = 1.0, np.zeros(len(times))
+    for k in range(int(times[-1] / half) + 1):
+        about = friction * np.sign(turning)
+        inside = (times >= k * half) & (times < (k + 1) * half)
+        t = times[inside] - k * half
+        swing = np.cos(damped * t) + ratio / np.sqrt(1.0 - ratio**2) * np.sin(damped * t)
+        values[inside] = about + (turning - about) * np.exp(-ratio * omega * t) * swing
+        turning = about - (turning - about) * np.exp(-ratio * omega * half)
+        if abs(turning) < friction:
+            values[times >= (k + 1) * half] = turning
+            break
+    return values
+
+
+def test_friction_is_not_taken_for_modes_on_either_side():
+    """Dry friction of a hundredth of the first swing came out as three modes, and its ratios by amplitude without two.
+
+    A cycle loses 4 friction of its amplitude: the ratio is 2 friction/(pi amplitude) beside the viscous one.
+    """
+    times = np.arange(0.0, 12.0, 0.01)
+    values = rubbed(times, 3.0, 0.002, 0.01) + 0.002 * np.random.default_rng(0).normal(size=len(times))
+    found = vr.decay(times, values)
+    assert len(found.frequencies) == 1
+    assert any("the damping ratio is not one number" in text for text in found.warnings)
+    amplitude, ratio = (found.data[f"piece_{name}"].values for name in ("amplitude", "ratio"))
+    large = amplitude > 0.2
+    assert np.count_nonzero(large) >= 4
+    np.testing.assert_allclose(ratio[large], 0.002 + 0.02 / (np.pi * amplitude[large]), rtol=0.08)

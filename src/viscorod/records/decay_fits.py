@@ -13,6 +13,8 @@ __all__ = ["MOST_MODES", "best_fit"]
 MOST_MODES = 6
 BETTER = 10.0
 """Fall of Bayes' criterion from which on another number of modes, or another polynomial of the rest, is taken."""
+WITHIN_A_BEAT = 1.5
+"""Periods of a beat in a record up to which two modes on either side of a third may be how that one dies out."""
 FAINT = 1e-7
 """Part of all energy below which a mode is what rounding and interpolation left."""
 
@@ -49,7 +51,30 @@ def _chosen(times: Floats, values: Floats, modes: int | None) -> SineFit | None:
         if best is not None and last.information > best.information - BETTER:
             break
         best = last
-    return best
+    return best if best is None or modes is not None else _without_sides(times, values, best)
+
+
+def _without_sides(times: Floats, values: Floats, fit: SineFit) -> SineFit:
+    """Return the fit without pairs of modes as far on either side of the strongest that the record ends before a beat.
+
+    They are how the amplitude of one mode falls that has no constant ratio, such as under dry friction, and what is
+    told of its ratio by amplitude must not be without them.
+    """
+    first = int(np.argmax([float(np.sum(fit.mode(k) ** 2)) for k in range(len(fit.poles))]))
+    hertz, width = fit.frequencies, fit.half_widths(0.95)[0]
+    off = hertz - hertz[first]
+    near = np.flatnonzero((off != 0.0) & (np.abs(off) * fit.times[-1] < WITHIN_A_BEAT))
+    sides = {
+        int(k)
+        for low in near[off[near] < 0.0]
+        for high in near[off[near] > 0.0]
+        if abs(off[low] + off[high]) < width[low] + width[high] + 2.0 * width[first]
+        for k in (low, high)
+    }
+    if not sides:
+        return fit
+    kept = np.delete(fit.poles, sorted(sides))
+    return fit_sines(times, values, kept, fit.resting) or fit
 
 
 def _starts(times: Floats, values: Floats, count: int, last: SineFit | None) -> list[np.ndarray]:
