@@ -16,6 +16,8 @@ from viscorod.typing import Floats
 __all__ = ["Balance", "corrected", "counterpart", "held_back"]
 
 ITERATIONS = 15
+FALLING = 0.1
+"""Part of the increment before that one has to be, where it is told by both what the next one will be at most."""
 DRAGS = (1e-13, 1e-11, 1e-9)
 """Parts of the mean stiffness of nodes, which stretching makes, that hold steps back where others fail."""
 STEP = 1e-3
@@ -121,7 +123,7 @@ def corrected(balance: Balance, state: State) -> State | None:
     convergence = Convergence(problem.length, finer.static.tolerance, ITERATIONS)
     weights = np.array([*[problem.length**-2] * 3, 1.0, 1.0, 1.0]) / size
     normal: Floats | None = None
-    change = 0.0
+    change, moves = 0.0, 0.0  # nothing is small beside no increment
     balance.place(factor)
     for count in range(1, ITERATIONS + 1):
         varied = None
@@ -145,7 +147,10 @@ def corrected(balance: Balance, state: State) -> State | None:
             gone += (factor - balance.factor) / balance.unit**2
             change = -gone / beside
             increment, factor = increment + change * rate, factor + change
-        verdict, _ = convergence.judge(increment[:size], count)
+        last = moves
+        verdict, moves = convergence.judge(increment[:size], count)
+        if verdict is None and moves <= FALLING * last and moves * (moves / last) <= convergence.tolerance:
+            verdict = Outcome.CONVERGED  # Newton's method will not do worse than in this step
         if verdict not in (None, Outcome.CONVERGED) or not np.isfinite(factor):
             return None
         retract(state.r, state.q, increment, state.r, state.q)
