@@ -164,7 +164,7 @@ def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
     every = np.outer(trials.lengths, eigenvalues)
     steps = halved.run.stability(every.ravel()).reshape(every.shape)
     for single, there, z, step, count in zip(
-        trials.errors, trials.amplitudes, every, steps, stands_for, strict=True
+        halved.errors(stands_for), trials.amplitudes, every, steps, stands_for, strict=True
     ):
         left = np.minimum(np.abs(step), 1.0 - 1e-12)
         kept, size = left**count, np.hypot(single[0], left * single[1])
