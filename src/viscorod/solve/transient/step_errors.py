@@ -27,6 +27,8 @@ MIXED = 0.5
 """Power of their number with which errors add up that faster motions make: their signs are random."""
 RESOLVED = 4.0
 """Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
+FADED = 0.5
+"""What is left after a step of vibrations that fade in it."""
 SAFETY = 1.5
 """Factor on what was found: too large is less bad than too small."""
 FORCE_SAFETY = 2.0
@@ -74,19 +76,25 @@ class StepErrors:
             return None
         stands_for = _weights(trials, halved.power)
         lost = _lost(halved, stands_for)
-        vibrating = np.maximum(_vibrations(halved, stands_for), lost / SAFETY) * modes.shapes
+        errors, faded = _vibrations(halved, stands_for)
+        vibrating = np.maximum(errors, lost / SAFETY) * modes.shapes
         rigid = _rigid_motions(trials, stands_for, end) * modes.rigid
         apart = stands_for.max() if not len(modes.omega) else np.sqrt(stands_for.max())
         rest = (apart * trials.rest).reshape(-1, 1)
-        fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
+        passing = np.abs(faded).max(axis=1, keepdims=True)
+        fields = np.hstack([vibrating, rigid, rest, passing, trials.within.reshape(-1, 1)]).reshape(
+            size, 2, 3, -1
+        )
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
         followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
-        squares = _squared_forces(_system_of(halved, problem), start, vibrating)
+        squares = _squared_forces(_system_of(halved, problem), start, np.hstack([vibrating, faded]))
+        squares, passing_by = squares[: len(followed)], squares[len(followed) :]
         forces = _largest_forces(squares[followed])
         # stiff sections turn a motion that went far from the start into forces that are none
         stiff = trials.apart
         if not halved.strains:
-            stiff = np.minimum(stiff, _largest_forces(squares[~followed]))
+            most = np.max([_largest_forces(one[None]) for one in passing_by], axis=0)
+            stiff = np.minimum(stiff, np.hypot(_largest_forces(squares[~followed]), most))
         released = _largest_forces(_squared_forces(_system_of(halved, problem), start, lost * modes.shapes))
         forces = np.maximum(FORCE_SAFETY * (forces + stiff), released)
         round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
@@ -152,8 +160,10 @@ def _weights(trials: Trials, power: int) -> Floats:
     return np.asarray(np.clip(alike, 1.0, np.maximum(around[:, 0], 1.0)))
 
 
-def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
-    """Return the largest error of each vibration at any time ``(k,)``.
+def _vibrations(halved: HalvedSteps, stands_for: Floats) -> tuple[Floats, Floats]:
+    """Return the largest error of each vibration at any time ``(k,)``, and of those that fade, fields ``(6 n, j)``.
+
+    Vibrations that fade within a step hardly move by themselves: their errors stay together as a step leaves them.
 
     What a vibration errs by itself, ``|R - exp|`` of its amplitude, adds up from step to step; what others push it by
     does so in part, within half a period. Later steps damp errors as they damp the vibration, stiff ones at once, and
@@ -161,20 +171,24 @@ def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
     """
     trials, eigenvalues = halved.trials, halved.modes.eigenvalues
     error = largest = amplitude = np.zeros(len(eigenvalues))
+    faded = np.empty((len(halved.modes.shapes), len(trials.lengths)))
     every = np.outer(trials.lengths, eigenvalues)
     steps = halved.run.stability(every.ravel()).reshape(every.shape)
-    for single, there, z, step, count in zip(
-        halved.errors(stands_for), trials.amplitudes, every, steps, stands_for, strict=True
+    for j, (single, there, z, step, count) in enumerate(
+        zip(halved.errors(stands_for), trials.amplitudes, every, steps, stands_for, strict=True)
     ):
         left = np.minimum(np.abs(step), 1.0 - 1e-12)
-        kept, size = left**count, np.hypot(single[0], left * single[1])
+        fades = np.exp(z.real) < FADED
+        faded[:, j] = halved.modes.shapes @ np.where(fades, single[0] / (1.0 - left), 0.0)
+        stays = np.where(fades, 0.0, single[0])
+        kept, size = left**count, np.hypot(stays, left * single[1])
         amplitude = np.maximum(amplitude, there)
         own = np.where(np.abs(z) < RESOLVED, np.minimum(size, np.abs(step - np.exp(z)) * amplitude), 0.0)
         summed = (1.0 - kept) / (1.0 - left)
         mixed = np.minimum(summed**MIXED, 2.0 / np.maximum(np.abs(1.0 - step), 1e-12))
         error = error * kept + own * summed + (size - own) * mixed
         largest = np.maximum(largest, np.minimum(error, np.maximum(size, 2.0 * amplitude)))
-    return largest
+    return largest, faded
 
 
 def _lost(halved: HalvedSteps, stands_for: Floats) -> Floats:
