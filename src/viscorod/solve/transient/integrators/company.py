@@ -3,8 +3,9 @@
 Where their steps end at the same times, what the prediction of a step lacks is nearly the same for all, and so are the
 factors: what follows needs some iterations, and no factorisation. They share its frozen Jacobian as well, which the
 iteration takes stresses along by; with joints, held strains, or strains as states each keeps one of its own, as old as
-that of the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed to both
-sides the second one's follows from the first one's, to second order, and between the first two is that of no change.
+that of the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed
+to both sides the second one's follows from the first one's, to second order, and between the first two is that of no
+change.
 
 With joints or held strains the midpoint rule ends a step with velocities that are wrong to second order, and corrects
 them with the matrix of the step before they are recorded. So much depends on that matrix, and on its age, that each
@@ -85,8 +86,8 @@ class Company:
         """Begin a step.
 
         Returns:
-            whether one that follows has a Jacobian that is as old as that of the leader; None of the leader itself, and of
-            one that tries the step again. False of a leader with joints or held strains: recorded states are closed
+            whether one that follows has a Jacobian that is as old as that of the leader; None of the leader itself, and
+            of one that tries the step again. False of a leader with joints or held strains: recorded states are closed
             with its matrix, which derivatives take as that of the step.
         """
         if not self._ages_only:
