@@ -27,7 +27,7 @@ from viscorod.results.identification_report import (
     with_prefix,
 )
 from viscorod.results.text_numbers import per_cent
-from viscorod.whole_files import replacing
+from viscorod.whole_files import page_path, replacing
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -72,8 +72,9 @@ def write_page(fit: Identification, path: Path) -> Path:
     """Write the page; returns the path.
 
     Raises:
-        InputError: the file cannot be written.
+        InputError: the file is no ``.html``, or cannot be written.
     """
+    path = page_path(path)
     text = page_text(fit).encode()
     with replacing(path, needs=len(text)) as new:
         new.write_bytes(text)
