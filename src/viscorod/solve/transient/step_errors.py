@@ -27,6 +27,8 @@ MIXED = 0.5
 """Power of their number with which errors add up that faster motions make: their signs are random."""
 RESOLVED = 4.0
 """Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
+FADED = 0.5
+"""What is left after a step of vibrations that fade in it."""
 SAFETY = 1.5
 """Factor on what was found: too large is less bad than too small."""
 FORCE_SAFETY = 2.0
@@ -78,19 +80,25 @@ class StepErrors:
         every = np.outer(trials.lengths, modes.eigenvalues)
         steps = halved.run.stability(every.ravel()).reshape(every.shape)
         lost = _lost(trials, every, steps, stands_for)
-        vibrating = np.maximum(_vibrations(trials, every, steps, stands_for), lost / SAFETY) * modes.shapes
+        errors, faded = _vibrations(halved, every, steps, stands_for)
+        vibrating = np.maximum(errors, lost / SAFETY) * modes.shapes
         rigid = _rigid_motions(trials, stands_for, end) * modes.rigid
         apart = stands_for.max() if not len(modes.omega) else np.sqrt(stands_for.max())
         rest = (apart * trials.rest).reshape(-1, 1)
-        fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
+        passing = np.abs(faded).max(axis=1, keepdims=True)
+        fields = np.hstack([vibrating, rigid, rest, passing, trials.within.reshape(-1, 1)]).reshape(
+            size, 2, 3, -1
+        )
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
         followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
-        squares = _squared_forces(_system_of(halved, problem), start, vibrating)
+        squares = _squared_forces(_system_of(halved, problem), start, np.hstack([vibrating, faded]))
+        squares, passing_by = squares[: len(followed)], squares[len(followed) :]
         forces = _largest_forces(squares[followed])
         # stiff sections turn a motion that went far from the start into forces that are none
         stiff = trials.apart
         if not halved.strains:
-            stiff = np.minimum(stiff, _largest_forces(squares[~followed]))
+            most = np.max([_largest_forces(one[None]) for one in passing_by], axis=0)
+            stiff = np.minimum(stiff, np.hypot(_largest_forces(squares[~followed]), most))
         released = _largest_forces(_squared_forces(_system_of(halved, problem), start, lost * modes.shapes))
         forces = np.maximum(FORCE_SAFETY * (forces + stiff), released)
         round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
@@ -156,20 +164,30 @@ def _weights(trials: Trials, power: int) -> Floats:
     return np.asarray(np.clip(alike, 1.0, np.maximum(around[:, 0], 1.0)))
 
 
-def _vibrations(trials: Trials, every: np.ndarray, steps: np.ndarray, stands_for: Floats) -> Floats:
-    """Return the largest error of each vibration at any time ``(k,)``.
+def _vibrations(
+    halved: HalvedSteps, every: np.ndarray, steps: np.ndarray, stands_for: Floats
+) -> tuple[Floats, Floats]:
+    """Return the largest error of each vibration at any time ``(k,)``, and of those that fade, fields ``(6 n, j)``.
+
+    Vibrations that fade within a step hardly move by themselves: their errors stay together as a step leaves them.
 
     What a vibration errs by itself, ``|R - exp|`` of its amplitude, adds up from step to step; what others push it by
     does so in part, within half a period. Later steps damp errors as they damp the vibration, stiff ones at once, and
     wrong velocities of those move nothing. There is no larger error than twice the vibration that there is.
 
     Args:
-        trials: steps that were tried again; every, steps: their lengths times the eigenvalues of the vibrations, and
+        halved: steps that were tried again; every, steps: their lengths times the eigenvalues of the vibrations, and
             what the steps make of these ``(j, k)``; stands_for: how many steps each is of ``(j,)``.
     """
-    single = np.array(trials.errors)
+    trials = halved.trials
+    single = np.array(list(halved.errors(stands_for)))
     left = np.minimum(np.abs(steps), 1.0 - 1e-12)
-    kept, size = left ** stands_for[:, None], np.hypot(single[:, 0], left * single[:, 1])
+    fades = np.exp(every.real) < FADED
+    faded = halved.modes.shapes @ np.where(fades, single[:, 0] / (1.0 - left), 0.0).T
+    kept, size = (
+        left ** stands_for[:, None],
+        np.hypot(np.where(fades, 0.0, single[:, 0]), left * single[:, 1]),
+    )
     amplitude = np.maximum.accumulate(trials.amplitudes)
     own = np.where(np.abs(every) < RESOLVED, np.minimum(size, np.abs(steps - np.exp(every)) * amplitude), 0.0)
     summed = (1.0 - kept) / (1.0 - left)
@@ -179,7 +197,7 @@ def _vibrations(trials: Trials, every: np.ndarray, steps: np.ndarray, stands_for
     for j in range(len(every)):
         error = error * kept[j] + added[j]
         largest = np.maximum(largest, np.minimum(error, most[j]))
-    return largest
+    return largest, faded
 
 
 def _lost(trials: Trials, every: np.ndarray, steps: np.ndarray, stands_for: Floats) -> Floats:
