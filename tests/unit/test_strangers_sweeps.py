@@ -234,6 +234,16 @@ def test_an_ensemble_with_a_unit_behind_a_key_stays_one_in_its_folder(held, tmp_
     assert shown.between(0.009, 0.011).all()
     with pytest.raises(vr.InputError, match=r"norm\(1, 2\) mm gives such values; truncnorm"):
         vr.ensemble(held, {WIDTH + " [mm]": scipy.stats.norm(1.0, 2.0)}, 8, quantities=TIP, workers=1)
+    with pytest.raises(vr.InputError, match=r"two columns have this key; leave one of them out$"):
+        vr.ensemble(held, widths | {WIDTH: scipy.stats.norm(0.01, 1e-4)}, 8, quantities=TIP, workers=1)
+
+
+def test_a_mode_beyond_those_that_are_sought_says_how_many_to_seek():
+    case = case_from_dict(content("modes", count=2))
+    member = vr.sweep(
+        case, {MODULUS: [1e6]}, quantities={"f": ("frequency", 5)}, workers=1, errors=0
+    ).members[0]
+    assert member.message == "f: there are 2; there is no number 5; modes.count = 5 seeks more of them"
 
 
 def partial():

@@ -132,8 +132,8 @@ def _saltelli_rows(uniform: Floats, d: int) -> Floats:
 
 
 def _of_drawn(fault: Fault, design: Design) -> Fault:
-    """Return a fault with what to do where its value was drawn."""
-    if fault.where not in design.keys:
+    """Return a fault with what to do where its value was drawn; a fault without a value is one of the key."""
+    if fault.where not in design.keys or not fault.found:
         return fault
     drawn = design.distributions[design.keys.index(fault.where)]
     advice = f"{drawn} gives such values; truncnorm, lognorm or uniform can be kept within what is allowed"

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.sweep_members import NOT_RUN
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
 from viscorod.results.told_members import told_members
@@ -37,6 +38,9 @@ def report_of(found: Ensemble) -> str:
     if design.indices:
         blocks += _indices(found)
     blocks.append(_errors(found))
+    left = found.members.found.outcomes().count(NOT_RUN)
+    if left:
+        blocks.append(f"{left} member{'s were' if left > 1 else ' was'} not run")
     blocks += told_members(found.members.found.told(), MOST_MESSAGES)
     return page([*blocks, *found.notes])
 
