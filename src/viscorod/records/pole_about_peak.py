@@ -19,7 +19,7 @@ from scipy.optimize import least_squares
 from viscorod.records.line_shapes import LineShape
 from viscorod.typing import Floats
 
-__all__ = ["LEAST", "LEVELS", "LevelFit", "Peak", "peak_fits", "rough_misfit", "rough_pole"]
+__all__ = ["LEAST", "LEVELS", "LevelFit", "Peak", "peak_fits", "rough_misfit", "rough_pole", "spacing"]
 
 LEAST = 4
 """Lines on each side that take part at least."""
@@ -169,7 +169,7 @@ def rough_pole(
     found = _searched(hertz, response, k, reach, line)
     if found is None:
         return None
-    step = float(hertz[1] - hertz[0])
+    step = _step_about(hertz, k, reach)
     decay, centre = float(np.exp(found[1][0])) * step, float(hertz[k] + found[1][1] * step)
     return float(np.hypot(centre, decay)), decay / float(np.hypot(centre, decay))
 
@@ -198,7 +198,7 @@ def peak_fits(
     """Return the fits about a peak from the lines within reach; None where there is no pole.
 
     Args:
-        hertz: evenly spaced lines, Hz (n,); response: complex (n,).
+        hertz: lines, Hz (n,), evenly spaced unless `line` is that of a pole alone; response: complex (n,).
         k: the line of the peak; reach: lines on each side; line: what a pole looks like there.
         noise: standard deviations of the lines (n,), where they are known but for a factor.
         neighbours: frequencies [Hz] and damping ratios of other modes; those nearby have their own poles in the fit.
@@ -216,8 +216,20 @@ def peak_fits(
         levels = [] if one is None else [(None, one)]
     if not levels:
         return None
-    step = float(hertz[1] - hertz[0])
+    step = _step_about(hertz, k, reach)
     return Peak(float(hertz[k]), step, float(np.abs(response[k])), form.freedom, levels)
+
+
+def _step_about(hertz: Floats, k: int, reach: int) -> float:
+    """Return the mean distance of lines within reach of a peak, Hz."""
+    first, last = max(k - reach, 0), min(k + reach, len(hertz) - 1)
+    return float(hertz[last] - hertz[first]) / max(last - first, 1)
+
+
+def spacing(hertz: Floats, place: float) -> float:
+    """Return the distance of the lines on both sides of a place, Hz."""
+    k = min(max(int(np.searchsorted(hertz, place)), 1), len(hertz) - 1)
+    return float(hertz[k] - hertz[k - 1])
 
 
 def _searched(
@@ -231,7 +243,7 @@ def _searched(
     inside = np.arange(max(k - reach, 0), min(k + reach + 1, len(hertz)))
     if len(inside) < 2 * LEAST:
         return None
-    step = float(hertz[1] - hertz[0])
+    step = _step_about(hertz, k, reach)
     beside = np.array(
         [((f * np.sqrt(1.0 - z**2) - hertz[k]) / step, z * f / step) for f, z in neighbours if z < 1.0]
     ).reshape(-1, 2)

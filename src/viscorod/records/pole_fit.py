@@ -24,7 +24,7 @@ from viscorod.records.arguments import described
 from viscorod.records.decay_doubts import BINS, half_power_width
 from viscorod.records.line_shapes import LineShape, line_shape
 from viscorod.records.peak_noise import CONFIDENCE, Pole, poles_of
-from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole
+from viscorod.records.pole_about_peak import LEAST, Peak, peak_fits, rough_pole, spacing
 from viscorod.records.response_doubts import (
     by_excitation,
     excitation_doubts,
@@ -90,7 +90,8 @@ def modal_fit(
         title: of the result.
 
     Raises:
-        InputError: the frequencies differ, are not evenly spaced, or no peak stands out.
+        InputError: the frequencies differ, are not evenly spaced (which those of a blow without a window, and of sines
+            one by one, need not be), or no peak stands out.
     """
     listed = [records] if isinstance(records, ResponseRecord) else list(records)
     if not listed or not all(isinstance(one, ResponseRecord) for one in listed):
@@ -99,7 +100,8 @@ def modal_fit(
         )
     hertz = listed[0].frequencies
     steps = np.diff(hertz)
-    _require_even(listed[0], steps)
+    for one in listed:
+        _require_even(one, np.diff(one.frequencies))
     for one in listed[1:]:
         if len(one.frequencies) != len(hertz) or not np.allclose(one.frequencies, hertz):
             raise InputError(
@@ -151,7 +153,7 @@ def modal_fit(
 
 
 def _require_even(record: ResponseRecord, steps: Floats) -> None:
-    """Raise `InputError` unless lines are evenly spaced, and enough."""
+    """Raise `InputError` unless lines are enough, and evenly spaced where what they are depends on it."""
     where, hertz = f"record {record.name}: frequencies", record.frequencies
     if len(hertz) < 4 * LEAST:
         raise InputError(
@@ -159,14 +161,16 @@ def _require_even(record: ResponseRecord, steps: Floats) -> None:
                 where, f"{len(hertz)} lines", f"a fit needs {4 * LEAST}", "give a wider band, or finer bins"
             )
         )
-    if np.ptp(steps) > 1e-3 * float(steps.mean()):
+    exact = record.excitation == "blow" and record.window is None
+    if np.ptp(steps) > 1e-3 * float(steps.mean()) and not exact:
         usual = float(np.median(steps))
         k = int(np.argmax(np.abs(steps - usual)))
         raise InputError(
             Fault(
                 where, f"{hertz[k]:.6g}, {hertz[k + 1]:.6g}",
                 f"the lines must be evenly spaced, and most are {usual:.3g} Hz apart",
-                "give the lines on one side of a gap alone, or those of the analyser before they were thinned out",
+                "of sines one by one, or a blow without a window, say excitation='blow', and lines may stand anywhere; "
+                "else give those on one side of a gap alone, or those of the analyser before they were thinned out",
             )
         )  # fmt: skip
 
@@ -304,9 +308,8 @@ def _result(
                 "further apart than their intervals: the interval is widened accordingly"
             )
         width = half_power_width(frequency, ratio)
-        refused = windowed or width < BINS * step
+        refused = windowed or width < BINS * spacing(hertz, frequency)
         half_power.append(None if refused else _half_power(hertz, records, frequency, width))
-        worst = max(one.misfit for one in found)
         structured = max((one.misfit for one in found if one.alike > NO_NOISE), default=0.0)
         if STRUCTURED < structured <= 0.1:
             doubts.append(
@@ -314,12 +317,12 @@ def _result(
                 "no noise: neighbouring lines are alike; where another mode stands nearby, or lines were smoothed or "
                 "windowed, the intervals do not hold"
             )
-        if worst > 0.1:
-            left = per_cent(100.0 * worst)
+        if structured > 0.1:
+            left = per_cent(100.0 * structured)
             doubts.append(
                 f"about {frequency:.5g} Hz one mode leaves {left} of the peak over: there are others"
             )
-    narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * step]
+    narrow = [row[0] for row in rows if half_power_width(row[0], row[2]) < BINS * spacing(hertz, row[0])]
     if windowed:
         doubts.append("half-power: refused; the window makes peaks wider than the modes are")
     elif narrow:
