@@ -87,9 +87,9 @@ class KelvinVoigt(Damping):
         """Return that the viscosity against changes of volume is without effect where there are none (LLT 3)."""
         key = "bulk_time" if self.bulk_viscosity is None else "bulk_viscosity"
         given = getattr(self, key)
-        idle = nu == 0.5 and given and not (key == "bulk_time" and given == shear)
-        text = (
+        if nu != 0.5 or not given or (key == "bulk_time" and given == shear):
+            return ()
+        return (
             f"damping.{key} = {given:.4g} has no effect: with a Poisson's ratio of 0.5 volume does not change, and the "
-            "shear alone damps; give a Poisson's ratio below 0.5 if it is to matter"
+            "shear alone damps; give a Poisson's ratio below 0.5 if it is to matter",
         )
-        return (text,) if idle else ()
