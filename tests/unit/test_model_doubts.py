@@ -309,6 +309,7 @@ def test_loads_that_supports_take_over_are_told():
         ({"shear_time": 0.1, "bulk_time": 0.3}, True),
         ({"shear_time": 0.1, "bulk_time": 0.1}, False),
         ({"shear_time": 0.1, "bulk_time": 0.0}, False),
+        ({"shear_time": 0.1, "extensional_time": 0.1}, False),
         ({"shear_viscosity": 1e4, "bulk_viscosity": 1e4}, True),
     ],
 )

@@ -89,8 +89,7 @@ class KelvinVoigt(Damping):
         given = getattr(self, key)
         if nu != 0.5 or not given or (key == "bulk_time" and given == shear):
             return ()
-        text = (
+        return (
             f"damping.{key} = {given:.4g} has no effect: with a Poisson's ratio of 0.5 volume does not change, and the "
-            "shear alone damps; give a Poisson's ratio below 0.5 if it is to matter"
+            "shear alone damps; give a Poisson's ratio below 0.5 if it is to matter",
         )
-        return (text,)
