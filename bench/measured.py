@@ -188,6 +188,16 @@ def polymer(folder: Path, _hanging: bool) -> None:
     print(master)
 
 
+def loss_factor_measured(master, celsius: float, hertz: float) -> float:
+    """Return that of the sweeps at a frequency, straight between the temperatures of two."""
+    found = []
+    for number, decades in enumerate(master.log_shifts):
+        mine = master.data.isel(point=master.data.point_sweep.values == number)
+        own = mine.frequency.values * 10.0**-decades
+        found.append(np.interp(hertz, own, mine.loss.values / mine.storage.values))
+    return float(np.interp(celsius, master.temperatures, found))
+
+
 def strip_at_temperatures(folder: Path, _hanging: bool) -> None:
     files = sorted(folder.glob("T*.txt"), key=lambda one: float(one.stem[1:]))
     master = vr.master_curve(files, title="tension")
@@ -205,7 +215,8 @@ def strip_at_temperatures(folder: Path, _hanging: bool) -> None:
         modulus = material.relaxation("extension").complex_modulus(np.array([2.0 * np.pi * hertz]))[0]
         print(
             f"strip of 150 x 20 x 2 mm at {celsius:g} C: {hertz:.4g} Hz, damping ratio {ratio:.4g}; half of the loss "
-            f"factor of the material there {0.5 * modulus.imag / modulus.real:.4g}"
+            f"factor of the material there {0.5 * modulus.imag / modulus.real:.4g}, of the sweeps "
+            f"{0.5 * loss_factor_measured(master, celsius, hertz):.4g}"
         )
 
 

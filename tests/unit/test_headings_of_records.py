@@ -121,3 +121,16 @@ def test_pressure_is_a_load_below_zero(branch, tmp_path):
     assert found.values == pytest.approx([-6e-3, *((-3e-3, 0.0) if branch == "loading" else (-4e-3, -5e-4))])
     (tmp_path / "press.csv").write_text("F [N],s [mm]\n0,0\n-1,-3\n-2,-6\n")
     assert record_of(table, tmp_path).loads.tolist() == [-2.0, -1.0, 0.0]
+
+
+def test_seconds_since_1970_count_from_the_first_and_other_columns_of_times_are_named(tmp_path):
+    (tmp_path / "log.csv").write_text(
+        "ms since 1970,tip [mm]\n1764583200000,1\n1764583200005,OVR\n1764583200010,3\n"
+    )
+    about = {"place": "beam.end", "quantity": "displacement", "direction": "y"}
+    found = vr.Record.read(tmp_path / "log.csv", "tip", time_unit="ms", gaps="leave out", **about)
+    assert found.times == pytest.approx([0.0, 0.01], abs=2.4e-7)  # what doubles resolve of 1.8e9
+    (tmp_path / "gom.csv").write_text("Stage;Time [s];P1.Y [mm]\n0;0,0;1\n1;0,1;2\n")
+    wanted = r"of column Stage; .* or the column that has times: time = 'Time'"
+    with pytest.raises(vr.InputError, match=wanted):
+        vr.Record.read(tmp_path / "gom.csv", "P1.Y", **about)

@@ -99,6 +99,25 @@ def test_equilibria_are_those_at_the_measured_loads():
     assert not fit.sentences
 
 
+def test_loads_of_a_cell_are_noisy_repeat_and_begin_below_none():
+    """300 readings of a pull, loads with 0.3 % of noise in steps of 0.5 mN: E is 70 GPa within its interval."""
+    random = np.random.default_rng(4)
+    true = np.linspace(0.0, 1.0, 300)
+    known = strip({"equilibrium": {"load_factors": [0.0, 0.25, 0.5, 0.75, 1.0]}})
+    about = {"place": "strip.end", "direction": "z"}
+    clean = vr.StaticRecord(true, np.zeros(300), **about).predicted(run_case(known))
+    loads = np.round((true + 0.003 * random.normal(size=300)) / 5e-4) * 5e-4
+    assert loads.min() < 0.0
+    assert len(np.unique(loads)) < 300
+    case = strip({"equilibrium": {"load_factor": 1.01}})
+    record = vr.StaticRecord(loads, clean + 2e-5 * random.normal(size=300), **about)
+    fit = vr.identify(case, record, {YOUNG: 60e9}, profile=False)
+    assert fit[YOUNG].low < 70e9 < fit[YOUNG].high < 1.002 * fit[YOUNG].low
+    there = np.concatenate([true, true[::-1]])
+    with pytest.raises(InputError, match="they go there and back: row 300 is the farthest"):
+        vr.StaticRecord(there, there, **about)
+
+
 @pytest.mark.parametrize(
     ("change", "words"), [(-1.0, "goes to the other side"), (1000.0, "times as far as the model")]
 )

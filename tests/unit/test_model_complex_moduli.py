@@ -16,6 +16,7 @@ from viscorod.model.materials.complex_moduli import ComplexModuli, ModulusTable
 from viscorod.model.materials.kelvin_voigt import KelvinVoigt
 from viscorod.model.materials.loss_factor import LossFactor
 from viscorod.model.materials.material import Material
+from viscorod.model.materials.nearest_kelvin_voigt import errors
 from viscorod.model.materials.prony import Prony
 from viscorod.model.materials.relaxation_modulus import RelaxationModulus
 from viscorod.model.rod import Rod
@@ -176,12 +177,52 @@ def test_maxwell_branches_are_found_again():
 
 @pytest.mark.parametrize("per_decade", [1, None, 5])
 def test_maxwell_branches_follow_other_times(per_decade):
-    # a table whose times are none of those tried: the error falls with the distance of the times
+    # a table whose times are none of those tried: the errors fall with the distance of the times; the loss factor is
+    # 0.0065 where it is least, and fitted beside the whole modulus the loss was wrong by 0.55, 0.28 and 0.033
     modulus = RELAXATION.complex_modulus(OMEGA)
     damping = ComplexModuli(**table(modulus), law="maxwell", per_decade=per_decade)
     m = Material(poissons_ratio=0.3, density=1.0, damping=damping)
-    error = np.abs(branches(m, "youngs_modulus").complex_modulus(OMEGA) / modulus - 1.0).max()
-    assert error < {1: 0.08, None: 0.025, 5: 0.005}[per_decade]
+    storage, loss = errors(modulus, branches(m, "youngs_modulus").complex_modulus(OMEGA))
+    largest = {1: (0.08, 0.4), None: (0.025, 0.16), 5: (0.005, 0.025)}[per_decade]
+    assert np.abs(storage).max() < largest[0]
+    assert np.abs(loss).max() < largest[1]
+
+
+def flat(loss_factor: float, decades: float):
+    """Frequencies, and the moduli of a causal law whose loss factor hardly depends on them (many short times apart)."""
+    hertz = np.geomspace(0.1, 0.1 * 10.0**decades, 8 * round(decades) + 1)
+    times = np.geomspace(10.0 / hertz[0], 0.1 / hertz[-1], 4 * round(decades + 2))
+    share = 2.0 / np.pi * loss_factor * np.log(times[0] / times[1])
+    law = RelaxationModulus(1e9, tuple(share * 1e9 for _ in times), tuple(times))
+    return hertz, law.complex_modulus(2.0 * np.pi * hertz)
+
+
+def test_the_loss_of_a_glass_is_not_given_up_for_its_storage():
+    """Storage that falls by 3 % along a sweep, as that of a sample that warms: a third of the loss went with it."""
+    hertz, modulus = flat(0.02, 3.0)
+    drifting = modulus.real * np.linspace(1.0, 0.97, len(hertz)) + 1j * modulus.imag
+    damping = ComplexModuli(**table(drifting, hertz), law="maxwell")
+    m = Material(poissons_ratio=0.3, density=1.0, damping=damping)
+    storage, loss = errors(modulus, branches(m, "youngs_modulus").complex_modulus(2.0 * np.pi * hertz))
+    assert np.abs(loss).max() < 0.06
+    assert np.abs(storage).max() < 0.04
+
+
+def test_moduli_that_contradict_each_other_are_told():
+    """A flat loss factor of 0.05 means 7 % more storage per decade (Kramers and Kronig), and the table has none."""
+    hertz, modulus = flat(0.05, 8.0)
+    level = np.full(len(hertz), 2e9) * (1.0 + 0.05j)
+    doubts = {
+        name: Material(
+            poissons_ratio=0.3, density=1.0, damping=ComplexModuli(**table(given, hertz), law="maxwell", **more)
+        ).doubts
+        for name, given, more in (
+            ("level", level, {}), ("causal", modulus, {}), ("a decade", level, {"band": (10.0, 100.0)}),
+        )
+    }  # fmt: skip
+    assert not doubts["causal"]
+    assert not doubts["a decade"]
+    assert any("no Maxwell branches follow the table of extension" in one for one in doubts["level"])
 
 
 def test_maxwell_branches_beside_a_given_modulus():

@@ -10,7 +10,7 @@ import numpy as np
 
 from viscorod.typing import Floats
 
-__all__ = ["clock_seconds", "is_clock_time", "is_date", "since_first", "turned_on"]
+__all__ = ["clock_seconds", "from_the_first", "is_clock_time", "is_date", "since_first", "turned_on"]
 
 _CLOCK = re.compile(
     r"\s*(?:(?P<date>\d{4}-\d\d-\d\d|\d{1,2}[./]\d{1,2}[./]\d{2,4}|\d{4}/\d{1,2}/\d{1,2})[ T]\s*)?"
@@ -23,8 +23,15 @@ _DATE = re.compile(
 )
 DAY = 86400.0
 """Seconds."""
+OF_AN_EPOCH = 1e8
+"""Time, s, from which on a record begins years after its zero: that is a calendar's."""
 LEAST_JUMP = 1.5 * np.pi
 """Way of an angle between two samples, rad, from which on it has begun again: no swing is sampled that coarsely."""
+
+
+def from_the_first(times: Floats) -> Floats:
+    """Return times that count from an epoch, such as 1970, from their first; others as they are, s."""
+    return times - times[0] if len(times) and times[0] > OF_AN_EPOCH else times
 
 
 def is_clock_time(cell: str) -> bool:

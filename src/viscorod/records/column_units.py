@@ -10,7 +10,7 @@ from viscorod.model.fields.definition import RefusedError, show
 from viscorod.unit_text import Dimension, factor_of
 from viscorod.units import si_of, si_value
 
-__all__ = ["COUNTS", "is_unit", "name_and_unit", "si_factor", "si_size_and_kind", "weight_of"]
+__all__ = ["COUNTS", "is_of_kind", "is_unit", "name_and_unit", "si_factor", "si_size_and_kind", "weight_of"]
 
 GRAVITY = 9.80665
 """m/s^2 of the unit g of accelerometers."""
@@ -88,6 +88,15 @@ def si_factor(source: str, column: str, written: str, unit: str) -> float:
         return si_value(f"1 {plain}", unit, column)
     except RefusedError as error:
         raise InputError(Fault(f"{source}: {column}", show(written), error.why, error.instead)) from None
+
+
+def is_of_kind(written: str, unit: str) -> bool:
+    """Return whether a text is a unit of the kind of an SI unit."""
+    try:
+        si_factor("", "", written, unit)
+    except InputError:
+        return False
+    return True
 
 
 def _number_and_unit(text: str) -> tuple[float | None, str]:

@@ -11,7 +11,7 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.model.fields.definition import show
 from viscorod.records.clock_times import is_date
-from viscorod.records.column_units import COUNTS, name_and_unit, si_factor, weight_of
+from viscorod.records.column_units import COUNTS, is_of_kind, name_and_unit, si_factor, weight_of
 from viscorod.records.complex_cells import is_phase_without_unit
 from viscorod.typing import Floats
 
@@ -155,7 +155,7 @@ class Columns:
                 key,
                 wanted,
                 f"the source does not give the unit of {column}",
-                f"write it beside its name, or give {argument}",
+                f"write it beside its name, or give {argument}{self._in(key, unit)}",
             )
         values = self.values[:, k]
         if np.iscomplexobj(values):
@@ -165,6 +165,15 @@ class Columns:
         self.require_no_gaps(k, values)
         found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
         return found
+
+    def _in(self, key: str, unit: str) -> str:
+        """Return a hint at columns that have a unit of times, where another one was taken for these."""
+        own = [
+            name
+            for name, written in zip(self.names, self.units, strict=True)
+            if key == "time" and written is not None and is_of_kind(written, unit)
+        ]
+        return f", or the column that has times: time = {own[0]!r}" if own else ""
 
     def require_no_gaps(self, k: int, values: np.ndarray) -> None:
         """Raise `InputError` where one of the values of column k (rows,) is none."""

@@ -64,9 +64,10 @@ def doubts(
     found = []
     held = record.times[clipped_samples(record.values, len(part.times) / (span * first))]
     if len(held) and held[-1] < part.times[0]:
+        or_held = ", or the rod held there," if held[0] == record.times[0] else ""
         found.append(
-            f"the largest values come several times in a row: the record is clipped until {held[-1]:.4g} s, and used "
-            f"from {part.times[0]:.4g} s on"
+            f"the largest values come several times in a row: the record is clipped until {held[-1]:.4g} s{or_held} "
+            f"and used from {part.times[0]:.4g} s on"
         )
     elif len(held):
         found.append(
@@ -140,7 +141,7 @@ def _harmonics(fit: SineFit, order: np.ndarray) -> list[str]:
     listed = ", ".join(f"{frequency[k]:.5g} Hz ({times[k]:.0f} times)" for k in which)
     return [
         f"{listed} may be harmonics of {frequency[0]:.5g} Hz and no modes: clipping, a sensor that is not linear, or a "
-        "motion that is not, make such"
+        "motion that is not, make such, and so does the size of what swings (a magnitude, of twice its frequency)"
     ]
 
 

@@ -10,7 +10,7 @@ import numpy as np
 from viscorod.errors import Fault, InputError
 from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
 from viscorod.records.arguments import described
-from viscorod.records.clock_times import turned_on
+from viscorod.records.clock_times import from_the_first, turned_on
 from viscorod.records.history_unknowns import unknowns_of_a_history
 from viscorod.records.other_files import columns_of
 from viscorod.records.read_off import (
@@ -143,8 +143,8 @@ class Record(AnyRecord):
         Text files are read as tables of moduli are: names with units ("t [s]", "x (mm)", "tip_x_m", or units in the
         line below), any encoding, tabs, semicolons, commas or blanks, decimal commas. The extra ``viscorod[records]``
         reads UFF (functions named by node and direction, "3:+z") and C3D ("marker x"). Fields of structures of MATLAB
-        are named "data.tip". Times of day and dates count from the first sample; angles that begin again after a whole
-        turn are counted on.
+        are named "data.tip". Times of day, dates and seconds since 1970 count from the first sample; angles that begin
+        again after a whole turn are counted on.
 
         Args:
             source: path, ``DataArray``, ``Dataset``, ``DataFrame`` or ``Series``.
@@ -180,7 +180,7 @@ class Record(AnyRecord):
         if "direction" in more:
             si = chosen.unit(chosen.direction("direction", more["direction"]))
         return cls(
-            columns.si("time", time, "s", time_unit),
+            from_the_first(columns.si("time", time, "s", time_unit)),
             turned_on(quantity, columns.si("value", value, si, unit)),
             quantity=quantity,
             **more,

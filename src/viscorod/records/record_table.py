@@ -180,7 +180,7 @@ def _kind_of_load(columns: Columns, load: str | int, given: str | None) -> str:
 
 
 def _branch(source: str, loads: Floats, branch: Any) -> np.ndarray:
-    """Return the rows of loads that go from nothing on, or those that come back, or all; the lowest load first.
+    """Return the rows of loads that go from nothing on, or those that come back, or all.
 
     Raises:
         InputError: it is no word, or loads go there and back and nobody says which part is meant.
@@ -200,7 +200,7 @@ def _branch(source: str, loads: Floats, branch: Any) -> np.ndarray:
         raise InputError(
             Fault(f"{source}: load", "", why, "give branch = 'loading' or 'unloading', one record of each")
         )
-    return rows[::-1] if (np.diff(loads[rows]) < 0.0).all() else rows
+    return rows
 
 
 def _moduli(given: dict[str, Any]) -> AnyRecord:

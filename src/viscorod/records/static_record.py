@@ -9,7 +9,7 @@ import numpy as np
 
 from viscorod.errors import Fault, InputError
 from viscorod.limits import SMALLEST_NUMBER
-from viscorod.records.any_record import AnyRecord, deviations, finite, increasing
+from viscorod.records.any_record import AnyRecord, deviations, finite
 from viscorod.records.arguments import described
 from viscorod.records.read_off import (
     BODY_AXES,
@@ -22,11 +22,12 @@ from viscorod.records.read_off import (
 from viscorod.records.unknown import Unknown
 from viscorod.typing import Floats
 
-__all__ = ["SLACK", "StaticRecord"]
+__all__ = ["BACK", "SLACK", "StaticRecord"]
 
 SLACK = 1e-3
 """Part of the largest load by which a record may go beyond the equilibria: weighed and converted loads are rounded."""
-
+BACK = 0.05
+"""Part of their range by which loads may go back, and below none: the noise of a load cell is no unloading."""
 
 AT_REST = ("position", "displacement", "rotation", "strain", "force", "moment")
 _OF_SECTION = {"force": slice(3), "moment": slice(3, 6)}
@@ -36,7 +37,8 @@ class StaticRecord(AnyRecord):
     """Static loads with what they moved: one number at a place for each load.
 
     Args:
-        loads: increasing, N or N m (n,).
+        loads: N or N m (n,). Those of a load cell that go back a little are sorted; loading and unloading are two
+            records.
         values: SI (n,).
         full_load: the load of the case at load factor 1, in the same unit; left out, `loads` are load factors.
         place, quantity, direction: as of a `Record`, without velocities and accelerations; a rotation is the component
@@ -67,16 +69,15 @@ class StaticRecord(AnyRecord):
         name: str | None = None,
     ) -> None:
         where = f"record {name or place}"
-        self.loads = increasing(
-            f"{where}: loads", loads, "sort the loads, each once; loading and unloading are two records"
-        )
-        self.values = self.observed = finite(f"{where}: values", values)
-        if len(self.values) != len(self.loads):
+        given = finite(f"{where}: loads", loads)
+        values = finite(f"{where}: values", values)
+        if len(values) != len(given):
             raise InputError(
-                Fault(
-                    where, f"{len(self.values)} values", f"there are {len(self.loads)} loads", "give as many"
-                )
+                Fault(where, f"{len(values)} values", f"there are {len(given)} loads", "give as many")
             )
+        order = _order(f"{where}: loads", given)
+        self.loads, self.values = given[order], values[order]
+        self.observed = self.values
         if not abs(full_load) > SMALLEST_NUMBER:
             raise InputError(
                 Fault(f"{where}: full_load", f"{full_load:g}", "no load", "give the load at factor 1")
@@ -90,7 +91,8 @@ class StaticRecord(AnyRecord):
             )  # fmt: skip
         self.place, self.quantity = place, quantity
         self.direction = QUANTITIES[quantity].direction(f"{where}: direction", direction)
-        self.noise = deviations(f"{where}: noise", noise, self.values.shape)
+        told = deviations(f"{where}: noise", noise, self.values.shape)
+        self.noise = None if told is None else told[order]
         reach = float(np.abs(self.values).max()) or 1.0
         self._named(
             name or place, unknown, {"offset": (0.0, -1e3 * reach, 1e3 * reach), "gain": (1.0, 0.1, 10.0)}
@@ -114,7 +116,8 @@ class StaticRecord(AnyRecord):
         known = np.asarray(result.load_factor, dtype=float)
         low, high = float(self.load_factors.min()), float(self.load_factors.max())
         slack = SLACK * max(abs(known.min()), abs(known.max()))
-        if low < known.min() - slack or high > known.max() + slack:
+        below = BACK * high if known.min() == 0.0 else slack  # the noise of no load
+        if low < known.min() - below or high > known.max() + slack:
             raise InputError(
                 f"record {self.name}: its loads are {low:.6g} to {high:.6g} of full_load = {self.full_load:.6g}, and "
                 f"the equilibria go from {known.min():.6g} to {known.max():.6g}; full_load is the load of the case in "
@@ -124,7 +127,7 @@ class StaticRecord(AnyRecord):
         model = self._of_states(result, found)
         order = np.argsort(known, kind="stable")
         values = self.values_of(nuisances)
-        shown: Floats = np.interp(self.load_factors, known[order], np.asarray(model)[order])
+        shown = _along(self.load_factors, known[order], np.asarray(model)[order])
         return self.nuisance("gain", values, 1.0) * shown + self.nuisance("offset", values)
 
     def _of_states(self, result: Any, found: Any) -> Floats:
@@ -142,3 +145,32 @@ class StaticRecord(AnyRecord):
             vectors = np.asarray(found[self.quantity].values[:, :3])
         along: Floats = vectors @ np.asarray(self.direction)
         return along
+
+
+def _order(where: str, loads: Floats) -> np.ndarray:
+    """Return the rows by increasing loads.
+
+    Raises:
+        InputError: the loads go there and back by more than noise does.
+    """
+    back = [float((np.maximum.accumulate(way) - way).max()) for way in (loads, -loads)]
+    if min(back) > BACK * float(np.ptp(loads)):
+        turn = int(np.argmax(np.abs(loads - loads[0])))
+        raise InputError(
+            Fault(
+                where,
+                f"{loads[turn]:g}",
+                f"they go there and back: row {turn + 1} is the farthest from the first",
+                "loading and unloading are two records (of a file, branch = 'loading' or 'unloading')",
+            )
+        )
+    return np.argsort(loads, kind="stable")
+
+
+def _along(wanted: Floats, known: Floats, states: Floats) -> Floats:
+    """Return straight lines between states at known loads; below the first one, its line goes on."""
+    found: Floats = np.interp(wanted, known, states)
+    below = wanted < known[0]
+    if len(known) > 1 and known[1] > known[0]:
+        found[below] += (wanted[below] - known[0]) * (states[1] - states[0]) / (known[1] - known[0])
+    return found

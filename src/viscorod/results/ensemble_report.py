@@ -18,6 +18,12 @@ __all__ = ["report_of"]
 
 LEVELS = (0.05, 0.5, 0.95)
 MOST_MESSAGES = 10
+_ERRORS = (
+    ("mesh_error", "Positions", "by the mesh {} of the length"),
+    ("step_error", "Positions", "by the steps {} m"),
+    ("frequency_error", "Frequencies", "by the mesh {} of them"),
+    ("critical_load_error", "Critical loads", "by the mesh {} of them"),
+)
 
 
 def report_of(found: Ensemble) -> str:
@@ -92,15 +98,15 @@ def _indices(found: Ensemble) -> list[str]:
 def _errors(found: Ensemble) -> str:
     """Say what mesh and steps leave, of the members for which that was estimated."""
     columns, count = found.members.found.measured, found.count_completed
-    parts = []
-    for name, what, unit in (
-        ("mesh_error", "by the mesh", "of the length"),
-        ("step_error", "by the steps", "m"),
-    ):
+    told: dict[str, list[str]] = {}
+    for name, what, error in _ERRORS:
         values = columns.get(name, np.zeros(0))
         known = values[np.isfinite(values)]
         if len(known):
-            parts.append(f"{what} {known.max():.1g} {unit} ({len(known)} of {count} members)")
-    if not parts:
+            words = error.format(f"{known.max():.1g}")
+            told.setdefault(what, []).append(f"{words} ({len(known)} of {count} members)")
+    if not told:
         return "Errors of mesh and steps were not estimated."
-    return f"Positions are off, at most and as estimated, {' and '.join(parts)}."
+    return " ".join(
+        f"{what} are off, at most and as estimated, {' and '.join(parts)}." for what, parts in told.items()
+    )

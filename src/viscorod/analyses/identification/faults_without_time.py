@@ -24,7 +24,7 @@ from viscorod.solve.estimation.least_squares import Estimate
 from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
 from viscorod.typing import Floats, Integers
 
-__all__ = ["faults_without_time"]
+__all__ = ["faults_without_time", "of_another_kind"]
 
 ALIKE, BETTER = 1.0, 3.0
 """Median distance of logarithms, real and imaginary part, below which two responses are called alike, and times that
@@ -75,11 +75,7 @@ def faults_without_time(members: Sequence[Member], best: Estimate) -> list[str]:
     """Return sentences on records that are no histories and of which much is left; see the module."""
     found: list[str] = []
     doubtful = {series.label for series in best.noise.series if much_left(best, series)}
-    unknowns = best.unknowns
-    fitted, first = (
-        dict(zip(unknowns.names, map(float, values), strict=True))
-        for values in (best.values, unknowns.values(unknowns.start))
-    )
+    fitted, first = _named(best)
     begin = 0
     for member in members:
         for record in member.records:
@@ -101,6 +97,26 @@ def faults_without_time(members: Sequence[Member], best: Estimate) -> list[str]:
     return found + list(static_loops(members, best))
 
 
+def of_another_kind(members: Sequence[Member], best: Estimate) -> bool:
+    """Return whether a response is an integral or a rate of what the model has, to which no search leads."""
+    fitted, first = _named(best)
+    return any(
+        _nearest(_distances(member, record, [fitted, first])[0])[0] != 0
+        for member in members
+        for record in member.records
+        if isinstance(record, ResponseRecord)
+    )
+
+
+def _named(best: Estimate) -> list[dict[str, float]]:
+    """Return all unknowns by name: as they were fitted, and at the start."""
+    unknowns = best.unknowns
+    return [
+        dict(zip(unknowns.names, map(float, values), strict=True))
+        for values in (best.values, unknowns.values(unknowns.start))
+    ]
+
+
 def _of_response(
     member: Member,
     record: ResponseRecord,
@@ -109,21 +125,13 @@ def _of_response(
     *,
     much: bool,
 ) -> Iterator[str]:
-    """Compare a response with the model's, once and twice integrated and differentiated, with either sign.
-
-    The start of the search is compared too: a search for a wrong kind ends far off. Medians over the frequencies, as
-    peaks may be elsewhere.
-    """
-    measured, omega = record.values, 2.0 * np.pi * record.frequencies
-    count = len(measured)
-    good = (omega > 0.0) & (np.abs(measured) > 0.0) & _above_noise(record)
+    """Compare a response with the model's: its sense of rotation, its kind and size, or an unknown gain or delay."""
+    measured, count = record.values, len(record.frequencies)
     round_about = _area(measured)
-    told: dict[tuple[int, int], float] = {}
-    size = 1.0
     for named in (fitted, first) if much else (fitted,):
         values = member.predicted(record, named)
         model = values[:count] + 1j * values[count:]
-        if not (good & (np.abs(model) > 0.0)).any():
+        if not model.any():
             continue
         # what dissipates goes round clockwise; a fit that finds the opposite ends without damping
         if round_about * _area(model) < -(LOOP**2) or (round_about > LOOP and abs(_area(model)) < LOOP):
@@ -132,6 +140,26 @@ def _of_response(
         if not much:
             yield from _of_path(record, model)
             return
+    yield from _kind_told(record.name, *_distances(member, record, [fitted, first]))
+
+
+def _distances(
+    member: Member, record: ResponseRecord, states: Sequence[Mapping[str, float]]
+) -> tuple[dict[tuple[int, int], float], float]:
+    """Return how far a response is from the model's, by power of i omega and sign, and its size over the model's.
+
+    The start of the search is compared too: a search for a wrong kind ends far off. Medians over the frequencies, as
+    peaks may be elsewhere.
+    """
+    measured, omega = record.values, 2.0 * np.pi * record.frequencies
+    count, size = len(measured), 1.0
+    good = (omega > 0.0) & (np.abs(measured) > 0.0) & _above_noise(record)
+    told: dict[tuple[int, int], float] = {}
+    for named in states:
+        values = member.predicted(record, named)
+        model = values[:count] + 1j * values[count:]
+        if not (good & (np.abs(model) > 0.0)).any():
+            continue
         for moved in _with_its_peaks(record.frequencies, model, np.where(good, np.abs(measured), 0.0)):
             both = good & (np.abs(moved) > 0.0)
             ratio = np.log(measured[both] / moved[both])
@@ -144,7 +172,13 @@ def _of_response(
             scaled = _distance(ratio - level)
             if scaled < ALIKE and abs(level) > BETTER * max(scaled, 0.5 * ALIKE):
                 size = float(np.exp(level))
-    yield from _kind_told(record.name, told, size)
+    return told, size
+
+
+def _nearest(told: Mapping[tuple[int, int], float]) -> tuple[int, int]:
+    """Return the power and sign that a response is told by; (0, 1) where none is clearly nearer."""
+    best = min(told, key=lambda key: told[key], default=(0, 1))
+    return (0, 1) if best == (0, 1) or told[best] > min(ALIKE, told[0, 1] / BETTER) else best
 
 
 def _kind_told(name: str, told: Mapping[tuple[int, int], float], size: float) -> Iterator[str]:
@@ -153,8 +187,8 @@ def _kind_told(name: str, told: Mapping[tuple[int, int], float], size: float) ->
     Args:
         told: distance from the model's response, by power of i omega and sign; size: over the model's.
     """
-    power, sign = min(told, key=lambda key: told[key], default=(0, 1))
-    if (power, sign) == (0, 1) or told[power, sign] > min(ALIKE, told[0, 1] / BETTER):
+    power, sign = _nearest(told)
+    if (power, sign) == (0, 1):
         if size != 1.0:
             yield (
                 f"{name} is some {size:.3g} times the response of the model: look at its unit and at the size "

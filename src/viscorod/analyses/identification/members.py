@@ -32,7 +32,7 @@ from viscorod.errors import Fault, InputError, SolveError, last_warnings
 from viscorod.one_thread import one_blas_thread
 from viscorod.records.any_record import STEP
 from viscorod.records.response_record import ResponseRecord
-from viscorod.records.static_record import SLACK, StaticRecord
+from viscorod.records.static_record import BACK, SLACK, StaticRecord
 from viscorod.results.derivative import Derivative
 from viscorod.results.run import Run
 from viscorod.solve.problem.division import Division, Divisions
@@ -70,6 +70,8 @@ STEPS = 1e-4
 """What steps of motions may err by over the size of the model, unless the case says; differences need it."""
 LINES = 1000
 """Frequencies of records up to which responses are computed at these, not on straight lines between others."""
+MOST_STATES = 50
+"""The same of loads and equilibria."""
 BEFORE = 0.1
 """Part of a record by which its release may be sought before where it starts."""
 
@@ -247,14 +249,17 @@ class Member:
     def _settled(self) -> Any:
         """Return the settings with steps that are fine enough for differences, long enough for all records.
 
-        Equilibria are those at the measured loads, as far as those of the case go.
+        Equilibria are those at the measured loads, as far as those of the case go, or `MOST_STATES` between them.
         """
         settings = self.case.settings
         if isinstance(settings, EquilibriumSettings) and not settings.stages and settings.start is None:
             loads = [np.asarray(one.load_factors) for one in self.records if isinstance(one, StaticRecord)]
             wanted = np.unique(np.concatenate(loads)) if loads else np.zeros(0)
             reach = (1.0 + SLACK) * max(settings.stops)
-            if len(wanted) and 0.0 <= wanted[0] and wanted[-1] <= reach:
+            if len(wanted) and -BACK * wanted[-1] <= wanted[0] and wanted[-1] <= reach:
+                wanted = np.unique(np.maximum(wanted, 0.0))
+                if len(wanted) > MOST_STATES:
+                    wanted = np.linspace(wanted[0], wanted[-1], MOST_STATES)
                 return settings.model_copy(
                     update={"load_factors": tuple(wanted.tolist()), "load_steps": None, "load_factor": 1.0}
                 )

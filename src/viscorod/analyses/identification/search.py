@@ -10,6 +10,7 @@ import numpy as np
 
 from viscorod.analyses.identification.case_numbers import case_with
 from viscorod.analyses.identification.case_predictions import CasePredictions
+from viscorod.analyses.identification.faults_without_time import of_another_kind
 from viscorod.analyses.identification.finer_steps import finer, moved_by, on_meshes_of
 from viscorod.analyses.identification.growing_windows import growing_windows, out_of_step
 from viscorod.analyses.identification.members import Member, members_of
@@ -74,7 +75,7 @@ def fitted(
     """
     given = _Search(parameters, nuisances, robust, seed, only_nuisances)
     found = given.fitted(members_of(pairs), starts, begin or {}, coloured=coloured, report=report)
-    if starts == 1 and out_of_step(found):
+    if starts == 1 and out_of_step(found) and not of_another_kind(found.members, found.estimate):
         led = _led_by_first_cycles(given, pairs, found, coloured=coloured)
         if led is not None and _misfit(led) < BETTER * _misfit(found):
             if report is not None:

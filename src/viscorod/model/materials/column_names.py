@@ -30,6 +30,19 @@ _UNITS: dict[str, dict[str, tuple[str, ...]]] = {
         "bar": (),
         "dyn/cm2": ("dyne/cm2", "dynes/cm2"),
     },
+    "compliance": {
+        "1/Pa": ("pa-1", "pa^-1", "m2/n", "1/pascal"),
+        "1/kPa": ("kpa-1", "kpa^-1"),
+        "1/MPa": ("mpa-1", "mpa^-1", "mm2/n"),
+        "1/GPa": ("gpa-1", "gpa^-1", "um2/mn"),
+    },
+    "viscosity": {
+        "Pa s": ("pas", "pa.s", "pa*s", "pa-s", "pasec", "ns/m2"),
+        "mPa s": ("mpas", "mpa.s", "mpa*s", "mpa-s", "cp"),
+        "kPa s": ("kpas", "kpa.s", "kpa*s", "kpa-s"),
+        "MPa s": (),
+        "P": ("poise",),
+    },
     "temperature": {
         "C": ("°c", "c", "degc", "celsius", "deg.c", "ºc", "grdc", "℃"),
         "K": ("k", "kelvin"),
@@ -42,10 +55,12 @@ _UNITS: dict[str, dict[str, tuple[str, ...]]] = {
 
 _HOW = (
     r"(dynamic|complex|shear|tensile|tension|youngs?|young's|flexural|flexure|bending|torsional|torsion|compressive|"
-    r"compression|axial|extensional|extension|linear|schub|scher|zug|biege|torsions|elastischer?|dynamischer?)?"
+    r"compression|axial|extensional|elongational|extension|linear|schub|scher|zug|biege|torsions|elastischer?|dynamischer?)?"
 )
 _SYMBOL = r"\(?[egm]('|\*)?\)?"
-_FREQUENCY = r"(freq|freqs|frequency|frequencies|frequenz|fréquence)"
+_FREQUENCY = r"(freq|freqs|frequency|frequencies|frequenz|fréquence|frecuencia|frequenza|frequência)"
+_YIELD = r"(compliance|komplianz|nachgiebigkeit)"
+_FLOW, _ETA = r"(viscosity|viskosität|viskositaet)", r"(η|eta)"
 KINDS: dict[str, str] = {
     "angular": rf"(ang|angular|circular|radian|kreis|winkel){_FREQUENCY}\(?(ω|omega|w)?\)?|ω|omega|w",
     "frequency": rf"(test|osc|oscillation|excitation|reduced|red|shifted|set|actual|target|mess|meß|prüf|pruef|"
@@ -66,6 +81,16 @@ KINDS: dict[str, str] = {
     "complex": rf"\|?[egm]\*\|?|{_HOW}(komplexer)?{_HOW}(modulus|modul)\(?\|?[egm]\*\|?\)?|"
     rf"(complex|komplexer){_HOW}(modulus|modul)|[egm]star|abs\(?[egm]\*?\)?|"
     r"modulecomplexe([egm]\*)?|module\|?[egm]\*\|?",
+    "storage_compliance": rf"([jd]')?{_HOW}(storage|stor|speicher){_HOW}{_YIELD}(\(?[jd]'\)?)?|[jd]'|"
+    rf"{_HOW}{_YIELD}\(?[jd]'\)?|[jd](storage|stor|prime)",
+    "loss_compliance": rf"([jd]'')?{_HOW}(loss|verlust){_HOW}{_YIELD}(\(?[jd]''\)?)?|[jd]''|"
+    rf"{_HOW}{_YIELD}\(?[jd]''\)?|[jd](loss|verlust|doubleprime)",
+    "complex_compliance": rf"{_HOW}(complex|komplexe){_HOW}{_YIELD}(\(?\|?[jd]\*\|?\)?)?|\|?[jd]\*\|?|"
+    rf"{_HOW}{_YIELD}\(?\|?[jd]\*\|?\)?",
+    "viscosity": rf"(real|dynamic|dynamische)?{_FLOW}\(?{_ETA}'\)?|{_ETA}'|dynamic{_FLOW}",
+    "out_of_phase_viscosity": rf"(imaginary|outofphase)?{_FLOW}\(?{_ETA}''\)?|{_ETA}''|(imaginary|outofphase){_FLOW}",
+    "complex_viscosity": rf"{_HOW}(complex|komplexe){_HOW}{_FLOW}(\(?\|?{_ETA}\*\|?\)?)?|\|?{_ETA}\*\|?|{_ETA}star|"
+    rf"{_FLOW}complex|{_FLOW}\(?\|?{_ETA}\*\|?\)?",
     "temperature": r"(sample|test|actual|furnace|chamber|proben|mess|ist|ofen|prüf)?(temp|temperature|temperatur)"
     r"\(?(t|ts)?\)?|t|ts",
     "set_temperature": r"(set|setpoint|target|nominal|soll|programmed)(temp|temperature|temperatur)|tr|tset|tsoll",
@@ -76,13 +101,16 @@ KINDS: dict[str, str] = {
 MEASURE = {
     "angular": "frequency", "frequency": "frequency", "storage": "modulus", "loss": "modulus", "tan_delta": "ratio",
     "phase": "angle", "complex": "modulus", "temperature": "temperature", "set_temperature": "temperature",
-    "group": "ratio",
+    "group": "ratio", "storage_compliance": "compliance", "loss_compliance": "compliance",
+    "complex_compliance": "compliance", "viscosity": "viscosity", "out_of_phase_viscosity": "viscosity",
+    "complex_viscosity": "viscosity",
 }  # fmt: skip
 """What the unit of a column measures."""
 
 STRAINS = {
-    "shear": r"g['_* ]|g$|shear|schub|scher|torsion|.*\bg['*]",
-    "extension": r"e['_* ]|e$|tensile|tension|young|flexur|bending|zug|biege|compress|axial|extension|.*\be['*]",
+    "shear": r"\|?[gjη]['_* ]|[gjη]$|eta|shear|schub|scher|torsion|.*\b[gj]['*]|.*η",
+    "extension": r"\|?[ed]['_* ]|[ed]$|tensile|tension|young|flexur|bending|zug|biege|compress|axial|extension|"
+    r"elongation|.*\b[ed]['*]",
 }
 """Beginnings of the name of the storage modulus that show the strain."""
 
@@ -132,8 +160,10 @@ def unit_of(text: str, measure: str) -> str | None:
     units = _UNITS[measure]
     if plain in units:
         return plain
-    if plain in ("mPa", "mpas", "mPas"):
+    if plain in ("mPa", "mpas", "mPas") and measure == "modulus":
         return None
+    if measure == "viscosity" and plain.startswith("MPa"):
+        return "MPa s"
     return next((unit for unit, spellings in units.items() if plain.lower() in spellings), None)
 
 
@@ -163,9 +193,10 @@ def heading(cell: str) -> Heading | None:
             kind = "phase"  # a loss factor in degrees is the angle
         low = name.lower()
         strain = next((strain for strain, start in STRAINS.items() if re.match(start, low)), None)
-        return Heading(
-            kind, cell.strip(), unit, strain if kind in ("storage", "loss", "complex") else None, logarithm
-        )
+        if strain is None and MEASURE[kind] == "viscosity":
+            strain = "shear"  # others are called tensile, or elongational
+        of_strain = MEASURE[kind] in ("modulus", "compliance", "viscosity")
+        return Heading(kind, cell.strip(), unit, strain if of_strain else None, logarithm)
     return None
 
 

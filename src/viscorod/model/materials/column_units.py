@@ -36,6 +36,8 @@ _FACTORS = {
     "modulus": MODULUS_UNITS,
     "ratio": {"1": 1.0, "%": 0.01},
     "angle": {"rad": 1.0, "mrad": 1e-3, "deg": math.pi / 180.0},
+    "compliance": {"1/Pa": 1.0, "1/kPa": 1e-3, "1/MPa": 1e-6, "1/GPa": 1e-9},
+    "viscosity": {"Pa s": 1.0, "mPa s": 1e-3, "kPa s": 1e3, "MPa s": 1e6, "P": 0.1},
     "temperature": {"C": 1.0, "K": 1.0, "F": 1.0},
 }
 NOUNS = {
@@ -46,6 +48,12 @@ NOUNS = {
     "complex": "complex modulus",
     "tan_delta": "tan delta",
     "phase": "phase angle",
+    "storage_compliance": "storage compliance",
+    "loss_compliance": "loss compliance",
+    "complex_compliance": "complex compliance",
+    "viscosity": "dynamic viscosity",
+    "out_of_phase_viscosity": "out-of-phase viscosity",
+    "complex_viscosity": "complex viscosity",
 }
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from functools import cached_property
 from typing import Annotated, Any, ClassVar, Literal, Self
 
@@ -37,6 +38,7 @@ from viscorod.model.materials.nearest_kelvin_voigt import (
     FAR,
     Viscous,
     errors,
+    far_branches,
     far_from,
     nearest_kelvin_voigt,
     nearest_maxwell,
@@ -314,7 +316,13 @@ class ComplexModuli(ModulusTable, Damping):
             sentences.append(_CONSTANT)
         extension = fits["extension"] if "extension" in fits else fits["shear"].scaled(factor)
         shear = fits["shear"] if "shear" in fits else fits["extension"].scaled(1.0 / factor)
-        return maxwell_behaviour(found, extension, shear, tuple(sentences))
+        doubts = tuple(
+            doubt
+            for strain, fit in fits.items()
+            for omega, modulus in [self._rows(strain)]
+            for doubt in far_branches(f"the table of {strain}", omega, modulus, fit.complex_modulus(omega))
+        )
+        return replace(maxwell_behaviour(found, extension, shear, tuple(sentences)), doubts=doubts)
 
     def _known(
         self, strain: str, fit: Viscous | RelaxationModulus, given: Elastic, found: Elastic

@@ -19,9 +19,10 @@ import numpy as np
 
 from viscorod.checks import checked
 from viscorod.model.fields.definition import RefusedError, show
-from viscorod.model.materials.column_names import OF_SHEAR, unit_of
+from viscorod.model.materials.column_names import MEASURE, OF_SHEAR, unit_of
 from viscorod.model.materials.column_units import NOUNS, factor
 from viscorod.model.materials.moduli_over_frequency import DmaTable, beside_slope
+from viscorod.model.materials.other_moduli import IN_THEIR_PLACE, moduli_of
 from viscorod.model.materials.sweeps import Points, every_sweep, one_sweep, side_by_side
 from viscorod.model.materials.table_blocks import Block, blocks_of
 from viscorod.model.materials.table_text import Numbers, lines_of
@@ -119,10 +120,13 @@ def _points(block: Block, index: int, numbers: Numbers, given: dict[str, str | N
 def _used_factors(block: Block, given: dict[str, str | None]) -> dict[int, float]:
     """Return the SI value of the unit of every column that is used; columns that only confirm others may lack one."""
     kinds = {known.kind for known in block.columns.values()}
+    instead = kinds & IN_THEIR_PLACE
     needed = {"storage", "loss" if "loss" in kinds else "tan_delta" if "tan_delta" in kinds else "phase"}
     if "storage" not in kinds:
         one = "loss" if "loss" in kinds else "complex"
         needed = {one, "tan_delta" if "tan_delta" in kinds else "phase"}
+    if instead:  # which stand there only where moduli do not
+        needed = {*instead, *needed} - {"storage", "loss", "complex"}
     factors, refused = {}, {}
     for at, known in block.columns.items():
         if known.kind in ("temperature", "set_temperature", "group"):
@@ -301,7 +305,9 @@ def _single(block: Block, values: dict[int, Floats]) -> dict[str, Floats]:
 def _strain(block: Block) -> str | None:
     """Return the strain that the names of the moduli show, or else those of other columns, as rheometers have."""
     strains = {
-        known.strain for known in block.columns.values() if known.kind in ("storage", "loss", "complex")
+        known.strain
+        for known in block.columns.values()
+        if MEASURE[known.kind] in ("modulus", "compliance", "viscosity")
     }
     strains.discard(None)
     if not strains and any(OF_SHEAR.search(name.lower()) for name in block.names):
@@ -325,6 +331,7 @@ def _quantities(block: Block, index: int, values: dict[str, Floats]) -> Points:
             if "tan_delta" in values
             else np.tan(values.get("phase", np.full(1, math.nan)))
         )
+        values = {**moduli_of(values, omega, tangent), **values}
         if "storage" in values:
             storage = values["storage"]
             loss = values["loss"] if "loss" in values else tangent * storage

@@ -1,8 +1,12 @@
 """Kelvin-Voigt and Maxwell materials nearest to a complex modulus that is known at some frequencies.
 
-Nearest means the least mean square of |M* - fit|/|M*| over the logarithm of the frequency. For a Kelvin-Voigt
-material, M + i omega eta, storage and loss then separate: M is the mean of the storage modulus and eta the slope of
-the loss modulus over omega, both weighted with 1/|M*|^2, whether M is free or not.
+Of Kelvin-Voigt materials nearest means the least mean square of |M* - fit|/|M*| over the logarithm of the frequency.
+Storage and loss of M + i omega eta then separate: M is the mean of the storage modulus and eta the slope of the loss
+modulus over omega, both weighted with 1/|M*|^2, whether M is free or not.
+
+Of Maxwell branches storage and loss count by their own sizes (M. Baumgaertel and H. H. Winter, Rheol. Acta 28, 1989,
+511-519). Measured moduli never are exactly those of one causal law, and beside |M*| the loss of a glass, a fiftieth of
+it, would be given up for half a per cent of the storage.
 """
 
 from __future__ import annotations
@@ -22,6 +26,7 @@ __all__ = [
     "Viscous",
     "band_of",
     "errors",
+    "far_branches",
     "far_from",
     "log_weights",
     "nearest_kelvin_voigt",
@@ -32,6 +37,12 @@ PER_DECADE = 60
 """Frequencies per decade at which a Prony series is compared."""
 FAR = 20.0
 """Errors of moduli beyond which one retardation time is too little, %."""
+ASIDE = 10.0
+"""Errors of moduli over a decade beyond which Maxwell branches do not follow a table, %."""
+RESOLVED = 1e-3
+"""Part of the modulus below which a loss is none: a phase of a milliradian is about what instruments resolve."""
+ABOUT = 0.5 * math.log(10.0)
+"""Half a decade to either side of a frequency, over which means are taken so that the noise of one point is none."""
 
 
 class Viscous(NamedTuple):
@@ -93,7 +104,8 @@ def nearest_maxwell(
 ) -> RelaxationModulus:
     """Return the generalised Maxwell solid nearest to a complex modulus: non-negative least squares over fixed times.
 
-    The relaxation times go from the inverse of the highest frequency to that of the lowest, half a decade beyond both.
+    Storage and loss are each compared beside their mean over a decade; see above. The relaxation times go from the
+    inverse of the highest frequency to that of the lowest, half a decade beyond both.
 
     Args:
         omega: increasing angular frequencies (n,), rad/s.
@@ -116,10 +128,10 @@ def nearest_maxwell(
         columns = np.column_stack([np.ones(len(omega)), columns])
     else:
         target = modulus - equilibrium
-    scale = np.sqrt(log_weights(omega)) / np.abs(modulus)
     unit = float(np.abs(modulus).max())
-    rows = np.concatenate([(scale[:, None] * columns).real, (scale[:, None] * columns).imag]) * unit
-    sides = np.concatenate([(scale * target).real, (scale * target).imag])
+    scale = np.sqrt(log_weights(omega)) / _sizes(omega, modulus)
+    rows = np.concatenate([scale[0, :, None] * columns.real, scale[1, :, None] * columns.imag]) * unit
+    sides = np.concatenate([scale[0] * target.real, scale[1] * target.imag])
     found = nnls(rows, sides)[0] * unit
     if equilibrium is None:
         equilibrium, found = float(found[0]), found[1:]
@@ -131,6 +143,24 @@ def nearest_maxwell(
             )
     kept = found > 1e-12 * unit
     return RelaxationModulus(equilibrium, tuple(found[kept].tolist()), tuple(times[kept].tolist()))
+
+
+def _mean_about(omega: Floats, values: Floats) -> Floats:
+    """Return the mean of values (..., n) over half a decade to either side of each frequency (n,)."""
+    weights, place = log_weights(omega), np.log(omega)
+    first = np.searchsorted(place, place - ABOUT - 1e-9)
+    end = np.searchsorted(place, place + ABOUT + 1e-9)
+    zero = np.zeros((*np.shape(values)[:-1], 1))
+    sums = np.concatenate([zero, np.cumsum(weights * values, axis=-1)], axis=-1)
+    whole = np.insert(np.cumsum(weights), 0, 0.0)
+    found: Floats = (sums[..., end] - sums[..., first]) / (whole[end] - whole[first])
+    return found
+
+
+def _sizes(omega: Floats, modulus: Complexes) -> Floats:
+    """Return the sizes of storage and loss modulus about each frequency (2, n)."""
+    of_both = _mean_about(omega, np.stack([modulus.real, modulus.imag]))
+    return np.maximum(of_both, RESOLVED * np.abs(modulus))
 
 
 def errors(modulus: Complexes, fit: Complexes) -> tuple[Floats, Floats]:
@@ -155,4 +185,23 @@ def far_from(data: str, omega: Floats, storage: float, loss: float) -> tuple[str
         f"one Kelvin-Voigt time does not follow {data}: from {low:.4g} to {high:.4g} Hz the storage modulus is wrong "
         f'by {per_cent(storage)} at most and the loss modulus by {per_cent(loss)}; give law = "maxwell", or a '
         "narrower band about the frequencies of the motion",
+    )
+
+
+def far_branches(data: str, omega: Floats, modulus: Complexes, fit: Complexes) -> tuple[str, ...]:
+    """Return what a result tells of Maxwell branches whose moduli are wrong by more than `ASIDE` over a decade.
+
+    Args:
+        data: what they were fitted to; omega: where [rad/s] (n,); modulus, fit: of the data and of the branches (n,).
+    """
+    off = np.abs(_mean_about(omega, np.stack([(fit - modulus).real, (fit - modulus).imag])))
+    off *= 100.0 / _sizes(omega, modulus)
+    if off.max() <= ASIDE:
+        return ()
+    which, worst = np.unravel_index(int(np.argmax(off)), off.shape)
+    return (
+        f"no Maxwell branches follow {data}: about {omega[worst] / (2.0 * math.pi):.4g} Hz the "
+        f"{('storage', 'loss')[which]} modulus is wrong by {per_cent(float(off[which, worst]))}; storage and loss "
+        "contradict each other, or a given youngs_modulus does: give band about the frequencies of the motion, or more "
+        "per_decade",
     )

@@ -9,11 +9,11 @@ from dataclasses import dataclass, field, replace
 from viscorod.model.fields.definition import RefusedError, show
 from viscorod.model.materials.column_names import MEASURE, Heading, heading, unit_of
 from viscorod.model.materials.column_units import NOUNS, refuse_unit
+from viscorod.model.materials.other_moduli import enough, spared
 from viscorod.model.materials.table_text import SEPARATORS, Numbers, looks_like_a_number, wide_words, words
 from viscorod.model.materials.table_wide import (
     Label,
     celsius,
-    enough,
     labelled,
     labels_above,
     labels_within,
@@ -28,6 +28,8 @@ _TEMPERATURE = re.compile(
     re.IGNORECASE,
 )
 """A line above a table that gives the temperature of all its rows."""
+_OVER_TIME = re.compile(r"creep|relaxation|kriech|\b[EGJD]\s?\(t\)", re.IGNORECASE)
+"""Names of columns of other tests than sweeps of frequency."""
 _UNITS_WITHIN = 4
 """Lines below the names in which the units are looked for."""
 
@@ -122,23 +124,48 @@ def blocks_of(lines: list[str]) -> list[Block]:
             block.full[index] = len(full)
     if blocks:
         return blocks
-    raise RefusedError(
+    raise _no_names(lines)
+
+
+def _no_names(lines: list[str]) -> RefusedError:
+    """Return what says that no line names columns of complex moduli, and what the file may have instead."""
+    instead = "begin the file with a line such as: Frequency (Hz), Storage Modulus (MPa), Loss Modulus (MPa)"
+    line, kinds = _nearest(lines)
+    if kinds <= {
+        "frequency",
+        "angular",
+        "tan_delta",
+        "phase",
+        "temperature",
+        "set_temperature",
+        "group",
+    } and (kinds & {"tan_delta", "phase"} and kinds & {"frequency", "angular"}):
+        instead = (
+            "a loss factor without moduli is damping of the kind loss_factor, with its lists of frequencies and loss "
+            "factors beside youngs_modulus"
+        )
+    elif any(map(_OVER_TIME.search, lines)):
+        instead = (
+            "a table of creep or relaxation over time has no moduli over frequency: damping of the kind prony takes "
+            "the moduli and times of its branches"
+        )
+    return RefusedError(
         "no line names columns of frequency, storage modulus, and loss modulus or tan delta",
-        "begin the file with a line such as: Frequency (Hz), Storage Modulus (MPa), Loss Modulus (MPa)",
-        found=_nearest(lines),
+        instead,
+        found=line,
     )
 
 
-def _nearest(lines: list[str]) -> str:
-    """Return the line that names most of what is needed, for a message."""
-    best, known = "", 1
+def _nearest(lines: list[str]) -> tuple[str, set[str]]:
+    """Return the line that names most of what is needed, for a message, and the kinds of its columns."""
+    best, known = "", set[str]()
     for number, line in enumerate(lines, 1):
         if _may_be_names(line):
             for divide, _ in SEPARATORS.values():
                 kinds = {found.kind for cell in divide(line) if (found := heading(cell)) is not None}
-                if len(kinds) > known:
-                    best, known = f"line {number} names {', '.join(sorted(kinds))} only", len(kinds)
-    return best
+                if len(kinds) > max(len(known), 1):
+                    best, known = f"line {number} names {', '.join(sorted(kinds))} only", kinds
+    return best, known
 
 
 def _may_be_names(line: str) -> bool:
@@ -158,7 +185,9 @@ def _names(lines: list[str], number: int) -> Block | None:
         cells = _trimmed(divide(line))
         if cells[:1] in (["#"], ["%"]) and len(cells) - 1 == _first_count(lines[number:], below):
             cells = cells[1:]
-        columns = {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
+        columns = spared(
+            {at: found for at, cell in enumerate(cells) if (found := _heading(cell, cells)) is not None}
+        )
         kinds = {found.kind for found in columns.values()}
         labels: dict[int, Label] = {}
         if not kinds & {"frequency", "angular"} or not enough(kinds):
@@ -206,7 +235,10 @@ def _first_count(lines: list[str], divide: Callable[[str], list[str]]) -> int:
 def _is_units(cells: list[str]) -> bool:
     """Return whether cells below the names are units: no numbers, one of them a unit of a frequency or modulus."""
     return not any(looks_like_a_number(cell) and cell != "1" for cell in cells) and any(
-        unit_of(cell, measure) for cell in cells if cell for measure in ("frequency", "modulus")
+        unit_of(cell, measure)
+        for cell in cells
+        if cell
+        for measure in ("frequency", "modulus", "compliance", "viscosity")
     )
 
 

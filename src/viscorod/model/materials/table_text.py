@@ -37,7 +37,21 @@ _NO_NUMBER = (
 )
 _TOO_LARGE = (
     *("inf", "+inf", "-inf", "infinity", "-infinity", "∞", "-∞", "1.#inf", "-1.#inf"),
-    *("ovl", "ol", "over", "overload", "overflow", "ovrng"),
+    *(
+        "ovl",
+        "ol",
+        "ovr",
+        "ovld",
+        "over",
+        "overload",
+        "overflow",
+        "overrange",
+        "ovrng",
+        "+ovr",
+        "-ovr",
+        "+ol",
+        "-ol",
+    ),
 )
 MISSING = ("", *_NONE, *_NO_NUMBER, *_TOO_LARGE)
 """Cells, in small letters, that say that a point was not measured."""

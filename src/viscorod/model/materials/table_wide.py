@@ -11,9 +11,10 @@ import re
 from viscorod.model.fields.definition import RefusedError
 from viscorod.model.materials.column_names import Heading, heading, unit_of
 from viscorod.model.materials.column_units import FREQUENCY_UNITS
+from viscorod.model.materials.other_moduli import enough
 from viscorod.model.materials.table_text import Numbers
 
-__all__ = ["Label", "celsius", "enough", "labelled", "labels_above", "labels_within"]
+__all__ = ["Label", "celsius", "labelled", "labels_above", "labels_within"]
 
 Label = tuple[str, float]
 """What all rows of a column have in common: "frequency" and rad/s, or "temperature" and degrees C."""
@@ -24,13 +25,6 @@ _LABEL = re.compile(
     rf"([-+]?\d+(?:[.,]\d+)?)[\s_]*({_UNIT})(?![A-Za-z0-9/])\s*[)\]]?"
 )
 _MODULI = ("storage", "loss", "complex", "tan_delta", "phase")
-
-
-def enough(kinds: set[str]) -> bool:
-    """Return whether kinds of columns give a complex modulus."""
-    angle = kinds & {"tan_delta", "phase"}
-    moduli = kinds & {"storage", "loss", "complex"}
-    return bool((moduli and angle) or {"storage", "loss"} <= kinds)
 
 
 def celsius(value: float, unit: str) -> float:
