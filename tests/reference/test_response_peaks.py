@@ -158,7 +158,7 @@ def test_modes_of_one_frequency_share_what_a_pole_has_in_a_response() -> None:
 
 
 def test_both_peaks_of_a_tuned_damper_are_listed():
-    """Den Hartog: tuned for equal peaks, both are sqrt(1 + 2/mu) of the static deflection, with a shallow valley between.
+    """Den Hartog: tuned for equal peaks, both are sqrt(1 + 2/mu) static deflections, a shallow valley between.
 
     They are those of two degrees of freedom, in closed form.
     """
