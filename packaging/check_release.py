@@ -54,6 +54,16 @@ def oldest_python(wheel: Path) -> tuple[int, int]:
     return int(found[1]), int(found[2])
 
 
+def classified(about: Message) -> list[str]:
+    """Return the minor versions of Python that the classifiers of a wheel name, such as "3.12"."""
+    told = about.get_all("Classifier") or []
+    return [
+        found[1]
+        for line in told
+        if (found := re.fullmatch(r"Programming Language :: Python :: (\d\.\d+)", line))
+    ]
+
+
 def check_contents(wheel: Path, sdist: Path) -> None:
     """Refuse a wheel or an sdist that lacks what belongs into it, and links that lead nowhere on an index."""
     with zipfile.ZipFile(wheel) as archive:
@@ -161,7 +171,11 @@ def main() -> None:
             for words, held in [("lowest", lowest(metadata(wheel)))] * oldest + [("newest", [])]:
                 print(f"{wheel.name} on {python}, {words} versions", flush=True)
                 check_installed(python, wheel, held)
-    print(f"{', '.join(wheel.name for wheel in wheels)} and {sdist.name} are ready to be published")
+    tried = [f"{major}.{minor}" for (major, minor), _ in interpreters]
+    print(f"{', '.join(wheel.name for wheel in wheels)} and {sdist.name} work with Python {', '.join(tried)}")
+    untried = sorted(set(classified(metadata(wheels[0]))) - set(tried))
+    if untried:
+        print(f"Not tried, though its classifiers promise it: Python {', '.join(untried)}; name interpreters")
 
 
 if __name__ == "__main__":

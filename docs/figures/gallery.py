@@ -62,7 +62,7 @@ def snapshots(picture: Figure, axes: Axes, run: vr.Run, start: float, end: float
         if not assembly.empty:
             assembly.draw(axes, view.shifted(shift), position, rotation, tuple(colour))
         mark_supports(axes, view, run, position + shift)
-    view.finish(axes, headroom=0.1)
+    view.finish(axes)
 
 
 def draw(name: str) -> Path:

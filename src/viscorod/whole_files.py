@@ -16,10 +16,26 @@ from pathlib import Path
 
 from viscorod.errors import InputError
 
-__all__ = ["make_durable", "replacing", "system_errors", "why_not"]
+__all__ = ["make_durable", "page_path", "replacing", "system_errors", "why_not"]
 
 NO_ROOM = (errno.ENOSPC, errno.EFBIG, getattr(errno, "EDQUOT", errno.ENOSPC))
 """What the system says where a disk, a quota or a limit on the size of files is exhausted."""
+PAGES = (".html", ".htm")
+"""Suffixes of pages."""
+
+
+def page_path(path: str | Path) -> Path:
+    """Return the path of a page, which a browser opens by its suffix.
+
+    Raises:
+        InputError: it has another one.
+    """
+    path = Path(path)
+    if path.suffix.lower() not in PAGES:
+        raise InputError(
+            f"{path}: the suffix {path.suffix!r} is not that of a page; use {' or '.join(PAGES)}"
+        )
+    return path
 
 
 @contextmanager

@@ -179,3 +179,30 @@ def test_a_mass_on_a_spring_that_is_a_pendulum() -> None:
     across = np.sqrt(9.81 / (length + 9.81 * mass / stiffness))
     expected = np.array([across, across, np.sqrt(stiffness / mass)]) / (2.0 * np.pi)
     assert model.modes(3).frequencies == pytest.approx(expected, rel=1e-9)
+
+
+def test_a_steady_top_starts_where_it_was_described():
+    """Slow precession w of a heavy top: I1 cos(theta) w^2 - I3 spin w + m g l = 0 (Goldstein).
+
+    By default it would hang from its point before it spins, which is told.
+    """
+    mass, arm, polar, across, spin, angle = 1.0, 0.1, 2e-3, 1.2e-2, 300.0, np.radians(60)
+    axis = np.array([np.sin(angle), 0.0, np.cos(angle)])
+    about_centre = across - mass * arm**2  # as large as about the axis: no direction of axes matters
+    model = vr.Model()
+    points = {"pin": (0, 0, 0), "tip": tuple(arm * axis)}
+    body = vr.Body(mass, (about_centre, about_centre, polar), centre=tuple(arm * axis), points=points)
+    model.add("top", body)
+    model.ball("top.pin", "ground")
+    model.gravity()
+    a, b, c = across * np.cos(angle), -polar * spin, mass * 9.81 * arm
+    slow = (-b - np.sqrt(b * b - 4.0 * a * c)) / (2.0 * a)
+    turning = (spin - slow * np.cos(angle)) * axis + np.array([0.0, 0.0, slow])
+    model.velocity("top", angular=tuple(turning))
+    run = model.simulate(0.2, initial="reference", tolerance=1e-6)
+    x, y, z = run.history("top.tip").values[-1]
+    assert np.arctan2(y, x) == pytest.approx(0.2 * slow, rel=1e-4)
+    assert z == pytest.approx(arm * np.cos(angle), rel=1e-4)
+    assert not any("initial" in text for text in run.warnings)
+    with pytest.warns(vr.AccuracyWarning, match="before the given velocities act, the model came to rest"):
+        model.simulate(1e-3)

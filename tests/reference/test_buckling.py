@@ -44,12 +44,26 @@ def test_euler_loads_in_both_planes():
     assert found.linear == pytest.approx([1.0, 4.0, 5.0, 9.0], rel=1e-5)
     assert not found.limit.any()
     assert found.complete
+    assert not found.warnings
     assert found.errors.max() < 1e-5
     s = found.positions[0][:, 0]
     first, across = found.shapes[0], found.shapes[2]
     assert first[:, 2] == pytest.approx(np.sin(np.pi * s) * first[len(s) // 2, 2], abs=1e-5)
     assert np.abs(first[:, 1]).max() < 1e-6
     assert across[:, 1] == pytest.approx(np.sin(np.pi * s) * across[len(s) // 2, 1], abs=1e-5)
+
+
+@pytest.mark.parametrize(("push", "right"), [(0.1, [1.0]), (20.0, [])])
+def test_a_column_that_is_pushed_sideways_gives_way_without_a_critical_load(push, right):
+    """A7: near pi^2 EI/L^2; one that is pushed so hard that it hardly feels the force along it does not."""
+    model = column(stiff=1e5)
+    model.support("column.start", ("ux", "uy", "uz", "rx"))
+    model.support("column.end", ("uy", "uz"))
+    model.force("column.end", (-(np.pi**2), 0, 0))
+    model.force("column@0.5", (0.0, 0.0, push), name="push")
+    found = model.buckling(1, constant=["push"])
+    told = re.findall(r"near the load factor ([\d.]+) the model gives way", " ".join(found.warnings))
+    assert [float(value) for value in told] == pytest.approx(right, rel=0.03)
 
 
 @pytest.mark.parametrize("exact", [True, False])

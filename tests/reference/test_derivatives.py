@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import viscorod as vr
-from viscorod.analyses.derivatives import motions, neighbours, orbits, resting_neighbours
+from viscorod.analyses.derivatives import eigenvalues, motions, neighbours, orbits, resting_neighbours
 from viscorod.analyses.derivatives.case_numbers import CaseNumber, with_values
 from viscorod.analyses.derivatives.mode_shapes import ShapeRates
 from viscorod.analyses.derivatives.neighbours import Neighbour, Neighbours
@@ -226,6 +226,28 @@ def test_numbers_that_hardly_matter_to_eigenvalues_are_not_lost_in_rounding():
     found = model.modes(4, derivatives=[key]).derivatives[key].of(lambda modes: modes.eigenvalues)
     expected = extrapolated(lambda v: with_values(model, {key: v}).modes(4).eigenvalues, force, 0.25 * force)
     assert np.abs(found - expected).max() <= 3e-7 * np.abs(expected).max()
+
+
+def test_eigenvalues_begin_with_neighbours_as_far_apart_as_rounding_asks_for(monkeypatch):
+    """Closed form: without damping and loads angular frequencies go as the root of the modulus.
+
+    A thousandth apart rounding is 3e-8 and more of the largest. It is known before any neighbour is made, so none
+    is made twice.
+    """
+    made, begin = [], eigenvalues._Rates.__init__
+
+    def counted(self, neighbours, *rest):
+        made.append(neighbours)
+        begin(self, neighbours, *rest)
+
+    monkeypatch.setattr(eigenvalues._Rates, "__init__", counted)
+    model = bar(elements=10, tau=0.0)
+    model.clamp("beam.start")
+    modes = model.modes(about="reference", count=4, derivatives=[E])
+    found = modes.derivatives[E].of(lambda one: one.eigenvalues.imag)
+    np.testing.assert_allclose(found, modes.eigenvalues.imag / (2.0 * 2.5e6), rtol=1e-8)
+    assert len(made) == 1
+    assert made[0].each[0].change > 2.0 * neighbours.STEP * 2.5e6
 
 
 def test_shapes_of_modes_change_as_differences_say():

@@ -28,7 +28,7 @@ SPIN_UP = {
 }
 
 
-@methods(1e-6, 0.005, midpoint=0.01, spectral_radius=0.8)
+@methods(1e-6, 0.005, spectral_radius=0.8)
 def test_spin_up_manoeuvre(method):
     """D1 (Simo and Vu-Quoc 1986): every tabulated value within 1e-4; steady stretch of C9 within the ripple."""
     model = vr.Model()

@@ -28,18 +28,18 @@ def falling(young: float) -> vr.Model:
 
 
 def level(model: vr.Model, **given) -> tuple[vr.Run, np.ndarray]:
-    """A run of 1.5 s, and places of the far end at fifty times [m]."""
-    run = model.simulate(1.5, initial="reference", output_interval=0.03, **given)
+    """A run of 0.9 s, in which the bar falls and rises, and places of the far end at thirty times [m]."""
+    run = model.simulate(0.9, initial="reference", output_interval=0.03, **given)
     return run, run.history("bar.end").values
 
 
 @pytest.mark.parametrize("integrator", ["generalized_alpha", "midpoint"])
 @pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # of section forces, carried by vibrations
 def test_equal_steps_of_a_falling_bar_follow_the_fall(integrator):
-    """Radau at 1e-7, on the same mesh. Vibrations of 2e-4 of the length asked for 54 000 steps and more."""
+    """Radau at 1e-7, on the same mesh. Vibrations of 2e-4 of the length asked for 36 000 steps a second and more."""
     model = falling(2e11)
     run, places = level(model, integrator=integrator)
-    assert run.data.attrs["steps"] < 3000
+    assert run.data.attrs["steps"] < 1800
     _, exact = level(model, tolerance=1e-7)
     assert np.abs(places - exact).max() < 3e-4
 
@@ -49,7 +49,7 @@ def test_equal_steps_of_a_soft_falling_bar_follow_its_vibrations():
     """Radau at 1e-7: bending of some hundredths of the length is part of the motion."""
     model = falling(2e9)
     run, places = level(model, integrator="generalized_alpha")
-    assert run.data.attrs["steps"] > 2000  # the fall alone takes 917
+    assert run.data.attrs["steps"] > 1200  # the fall alone takes 611 a second
     _, exact = level(model, tolerance=1e-7)
     assert np.abs(places - exact).max() < 3e-4
 
@@ -76,8 +76,11 @@ def test_very_many_periods_of_a_load_are_told_beforehand():
     assert many_steps(ErrorControl(3, 1e-4, 1.0), 1.0, settings, (1e-3,)) == ""
 
 
-@pytest.mark.parametrize(("time", "told"), [(None, True), (vr.Ramp(0.0, 0.1), False)])
-def test_a_load_that_begins_at_once_and_rings_for_very_long_is_told(time, told):
+@pytest.mark.parametrize(
+    ("time", "duration", "told"),
+    [(None, 60.0, True), (None, 0.5, True), (None, 0.05, False), (vr.Ramp(0.0, 0.1), 60.0, False)],
+)
+def test_a_load_that_begins_at_once_and_rings_for_very_long_is_told(time, duration, told):
     """A stiff plastic bar creeps for a minute, and rings along its line at 1/4 sqrt(E/rho)/L with the storage modulus.
 
     Two branches of a tenth of the modulus each are stiff at that frequency: E = 2.4 GPa.
@@ -92,7 +95,7 @@ def test_a_load_that_begins_at_once_and_rings_for_very_long_is_told(time, told):
     with warnings.catch_warnings(record=True) as caught:
         warnings.simplefilter("always")
         with pytest.raises(vr.SolveError, match="enough"):
-            model.simulate(60.0, initial="reference", stop=lambda: "enough")
+            model.simulate(duration, initial="reference", stop=lambda: "enough")
     texts = [str(one.message) for one in caught if "ring" in str(one.message)]
     assert bool(texts) == told
     if told:

@@ -155,3 +155,37 @@ def test_modes_of_one_frequency_share_what_a_pole_has_in_a_response() -> None:
     there = model.frequency_response(inputs="rod.end fz", outputs="rod.end uz", frequencies=[top.frequency])
     assert top.amplitude == pytest.approx(there.amplification()[0], rel=1e-3)  # solved there, without poles
     assert top.amplitude > 50.0 * found.amplification().max()
+
+
+def test_both_peaks_of_a_tuned_damper_are_listed():
+    """Den Hartog: tuned for equal peaks, both are sqrt(1 + 2/mu) of the static deflection; the valley is shallow.
+
+    They are those of two degrees of freedom, in closed form.
+    """
+    ratio, stiffness = 0.05, 1000.0
+    small, tuning = ratio, 1.0 / (1.0 + ratio)
+    soft, loss = (
+        small * tuning**2 * stiffness,
+        2.0 * small * np.sqrt(stiffness * 3.0 * ratio / (8.0 * (1.0 + ratio) ** 3)),
+    )
+    rigid = dict.fromkeys(("uy", "uz", "rx", "ry", "rz"), 1e9)
+    model = vr.Model()
+    model.add("block", vr.Box((0.1, 0.1, 0.1), mass=1.0))
+    model.add("damper", vr.Box((0.05, 0.05, 0.05), mass=small))
+    model.spring("block", stiffness={"ux": stiffness} | rigid)
+    model.spring("damper", "block", stiffness={"ux": soft} | rigid, damping={"ux": loss})
+    found = model.frequency_response(inputs=["block fx"], outputs=["block ux"], band=(2.0, 9.0))
+
+    def size(hertz):
+        w = 2.0 * np.pi * hertz
+        link = soft + 1j * w * loss
+        return abs((link - small * w**2) / ((stiffness + link - w**2) * (link - small * w**2) - link**2))
+
+    peaks = found.resonances()
+    for peak, near in zip(peaks, (4.5, 5.3), strict=True):
+        top = scipy.optimize.minimize_scalar(
+            lambda f: -size(f), bounds=(near - 0.3, near + 0.3), method="bounded"
+        )
+        assert peak.frequency == pytest.approx(top.x, rel=1e-3)
+        assert peak.amplitude == pytest.approx(-top.fun, rel=1e-4)
+        assert peak.amplitude * stiffness == pytest.approx(np.sqrt(1.0 + 2.0 / ratio), rel=2e-3)

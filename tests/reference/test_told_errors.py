@@ -16,7 +16,7 @@ from viscorod.mechanics.rotations.quaternion import conjugate, product
 
 from .independent.slider_crank import SliderCrank
 from .test_mechanisms import slider_crank
-from .test_step_errors import double_pendulum, soft, steel, suddenly_loaded, tumbling
+from .test_step_errors import double_pendulum, pendulum, soft, steel, suddenly_loaded, tumbling
 
 TIMES, FINE = 400, 6000
 
@@ -180,6 +180,62 @@ def test_told_errors_are_within_a_factor_of_three(motion):
     fine = model.simulate(**given, tolerance=1e-8, time_step=given["duration"] / FINE, errors=False)
     for kind, error in zip(run.step_errors, compared(run, fine), strict=True):
         assert 1.0 / 3.0 < run.step_errors[kind] / error < 3.0, (kind, run.step_errors[kind], error)
+
+
+def bent_far():
+    """The soft cantilever with damping: it swings to the other side of where it started."""
+    return soft(vr.KelvinVoigt(0.02, 0.02), duration=2.0)
+
+
+def hanging_wire():
+    """A steel wire that falls from the horizontal: it ends across the shape that it began with."""
+    model = vr.Model()
+    damping = [0.1, 0.1, 2.0, 2e-4, 2e-4, 8e-6]
+    stiffness, _, inertia = vr.Circle(1e-3).matrices(vr.Material(2.1e11, poissons_ratio=0.2, density=7850.0))
+    section = vr.StiffnessSection(stiffness.tolist(), inertia.tolist(), damping)
+    model.add("wire", vr.Rod.straight((0, 0, 0), (1, 0, 0), section=section, elements=2, order=4))
+    model.clamp("wire.start")
+    model.gravity((0, 0, -9.81))
+    return model, {"duration": 1.0, "initial": "reference"}
+
+
+def pushed_frame():
+    """A right-angle frame that is pushed out of its plane, undamped, and turns by more than a radian."""
+    model = vr.Model()
+    section = vr.StiffnessSection([1e6, 1e6, 1e6, 1e3, 1e3, 1e3], [1, 1, 1, 10, 10, 20])
+    given = {"section": section, "elements": 1, "order": 5}
+    model.add("one", vr.Rod.straight((0, 0, 0), (0, 10, 0), **given))
+    model.add("two", vr.Rod.straight((0, 10, 0), (10, 10, 0), **given))
+    model.attach("one.end", "two.start")
+    model.clamp("one.start")
+    model.force("one.end", (0, 0, 50), time=vr.TimeTable([0, 1, 2], [0, 1, 0]), until=2.0)
+    return model, {"duration": 5.0, "initial": "reference"}
+
+
+@pytest.mark.parametrize("motion", [bent_far, hanging_wire, pushed_frame], ids=lambda motion: motion.__name__)
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+def test_told_errors_of_tight_tolerances(motion):
+    """As above, in shapes that are far from the start: positions had been told up to 35 times too large."""
+    model, given = motion()
+    given |= {"output_interval": given["duration"] / TIMES}
+    fine = model.simulate(**given, tolerance=1e-10, errors=False)
+    for tolerance in (1e-5, 1e-7):
+        run = model.simulate(**given, tolerance=tolerance)
+        moved, turned, _, _ = compared(run, fine)
+        assert 1.0 / 3.0 < run.step_errors["position"] / moved < 4.0, (tolerance, moved)
+        assert 1.0 / 3.0 < run.step_errors["rotation"] / turned < 5.0, (tolerance, turned)
+
+
+@pytest.mark.parametrize(("motion", "tolerance"), [(bent_far, 1e-3), (pendulum, 1e-6)])
+@pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")
+def test_errors_that_fade_within_a_step_are_not_spread(motion, tolerance):
+    """As above: forces had been told 25 and 13 times too large, by vibrations whose errors cancel in each step."""
+    model, given = motion()
+    given |= {"output_interval": given["duration"] / TIMES}
+    fine = model.simulate(**given, tolerance=1e-3 * tolerance, errors=False)
+    run = model.simulate(**given, tolerance=tolerance)
+    for kind, error in zip(run.step_errors, compared(run, fine), strict=True):
+        assert 1.0 / 3.0 < run.step_errors[kind] / error < 5.0, (kind, run.step_errors[kind], error)
 
 
 @pytest.mark.parametrize("motion", [middle_axis, flung, chaotic], ids=lambda motion: motion.__name__)

@@ -66,7 +66,12 @@ def test_settings_reach_methods_with_their_names_and_texts():
     parameters = inspect.signature(vr.Model.simulate).parameters
     for name, field in SimulateSettings.model_fields.items():
         assert field.is_required() or parameters[name].default == field.default
-    assert "tolerance: what steps may err by" in vr.Model.simulate.__doc__
+    assert vr.Model.simulate.__doc__.count("    tolerance: what steps may err by") == 1
+    assert (
+        vr.Model.equilibrium.__doc__.count("    accuracy: ")
+        == vr.Model.path.__doc__.count("    title: ")
+        == 1
+    )
     assert {"title", "progress", "stop", "folder", "resume"} < set(parameters)
     with pytest.raises(vr.InputError, match=r"toleranc: 0.001: no such key; did you mean tolerance"):
         vr.Model().simulate(1.0, toleranc=1e-3)

@@ -215,6 +215,26 @@ def test_failed_solution_without_anything_to_keep(invoke, solving, tmp_path):
     assert not (tmp_path / "results").exists()
 
 
+def test_files_of_the_other_kind_are_told_in_one_message(invoke, tmp_path):
+    """A fit file is no case file, a case file no fit file; a page has the suffix of pages; a sweep needs values."""
+    (tmp_path / "case.toml").write_text(shipped_case("cantilever_swing").read_text(encoding="utf-8"))
+    (tmp_path / "fit.toml").write_text('case = "case.toml"\n[[records]]\nkind = "modes"\n')
+    for arguments, told in (
+        (("run", "fit.toml"), "is no case file; compute it with: viscorod identify fit.toml"),
+        (
+            ("identify", "case.toml"),
+            "case.toml is a case file; what is identified stands in a file of its own",
+        ),
+        (
+            ("sweep", "case.toml"),
+            "nothing varies; give --set KEY=VALUES, --grid KEY=VALUES or --table FILE.csv",
+        ),
+    ):
+        result = invoke(*arguments)
+        assert (result.exit_code, result.stderr.count("\n")) == (2, 1)
+        assert told in result.stderr
+
+
 @pytest.mark.parametrize("command", ["run", "check"])
 def test_wrong_input_is_one_message(invoke, command, tmp_path):
     missing = invoke(command, "none.toml")

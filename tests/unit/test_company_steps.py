@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 import viscorod as vr
+from viscorod.analyses.derivatives import motions
 from viscorod.analyses.warmup import compile_loop
 from viscorod.mechanics.compilation.compiled import PURE_PYTHON
 from viscorod.solve.transient import company_steps
@@ -153,3 +154,19 @@ def test_other_methods_have_no_compiled_steps(taken):
     """The midpoint rule is a collocation method, but has no loop."""
     differentiated(swing, integrator="midpoint", time_step=0.01)
     assert not taken
+
+
+@pytest.mark.parametrize(("made", "own"), [(swing, False), (jointed, True)])
+def test_the_frozen_jacobian_of_the_first_serves_all(made, own, monkeypatch):
+    """None that follows makes one, but those with joints, whose records are closed with their own."""
+    seen, go = [], motions.side_by_side
+
+    def watched(given, *rest):
+        seen.extend(given)
+        return go(given, *rest)
+
+    monkeypatch.setattr(motions, "side_by_side", watched)
+    differentiated(made)
+    counts = [one.integrator.jacobians for one in seen]
+    assert counts[0] > 2
+    assert all((count > 2) is own for count in counts[1:])

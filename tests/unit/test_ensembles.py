@@ -324,9 +324,14 @@ def test_command_line(tmp_path, monkeypatch):
     assert CliRunner().invoke(app, ["example", "bend_45"]).exit_code == 0
     arguments = ["ensemble", "bend_45.toml", "--draw", "loads[0].value[2]=norm(300, scale=10)", "-n", "8"]
     asked = ["--quantity", "tip=displacement bend.end z", "--workers", "1", "--set", "rods.bend.elements=2"]
+    part = CliRunner().invoke(app, [*arguments, *asked, "--members", "0:2"])
+    assert part.exit_code == 0, part.output
+    assert "2 of 2 members" in part.stderr  # of its own, not of all
+    assert "6 members were not run" in part.stdout
     found = CliRunner().invoke(app, [*arguments, *asked])
     assert found.exit_code == 0, found.output
     assert "8 members, 8 completed" in found.stdout
+    assert "not run" not in found.stdout
     assert "norm(300, scale=10)" in found.stdout
     assert len(vr.load(tmp_path / "out" / "bend_45" / "ensemble").values("tip")) == 8
     for wrong in ("loads[0].value[2]", "loads[0].value[2]=nrom(1, 2)", "loads[0].value[2]=norm(a)"):

@@ -10,6 +10,7 @@ import pytest
 from typer.testing import CliRunner
 
 import viscorod as vr
+from helpers import chromium
 from helpers.measured_files import STRIP, write_lengths
 from viscorod.analyses.case_run import run_case
 from viscorod.analyses.identification.case_numbers import case_with, number_at
@@ -25,8 +26,9 @@ from viscorod.casefile.case import case_from_dict
 from viscorod.casefile.toml_text import toml_text
 from viscorod.cli.app import app
 from viscorod.errors import InputError
+from viscorod.pictures.plots.plot_identification import draw_intervals
 from viscorod.records.any_record import STEP
-from viscorod.results.identification_report import with_prefix
+from viscorod.results.identification_report import limits_text, programs_table, with_prefix
 from viscorod.results.identified import Number
 from viscorod.solve.estimation.intervals import Covariance
 from viscorod.solve.estimation.least_squares import no_worse
@@ -202,6 +204,45 @@ def test_the_page_is_one_file_that_needs_no_network(two_times, tmp_path):
         assert words in text
 
 
+@pytest.mark.slow
+@pytest.mark.skipif(chromium.find() is None, reason="no Chromium or Chrome is on the PATH")
+def test_on_a_telephone_wide_tables_and_pictures_of_the_page_move_by_themselves(two_times, tmp_path):
+    pytest.importorskip("websocket", reason="the package websocket-client drives the browser")
+    with chromium.opened(tmp_path / "profile") as shown:
+        shown.resize(420, 900)
+        shown.send("Page.navigate", url=two_times.page(tmp_path / "fit.html").as_uri())
+        shown.wait("document.querySelectorAll('svg').length === 4 && document.readyState === 'complete'")
+        assert shown.run("document.documentElement.scrollWidth") <= 420
+        narrow = "[...document.querySelectorAll('.wide')].every(e => e.scrollWidth <= e.clientWidth)"
+        assert not shown.run(narrow)  # as they would be unread if they were shrunk
+        shown.resize(1280, 900)
+        assert shown.run(narrow)
+        assert shown.errors == []
+
+
+def test_equal_inputs_of_a_program_share_a_row(two_times):
+    header, rows = programs_table(two_times)
+    unfolded = {
+        f"{program}: {word}": rest
+        for name, *rest in rows
+        for program, words in [name.split(": ")]
+        for word in words.split(" = ")
+    }
+    assert header[1:] == ["value", "low", "high", "unit"]
+    assert unfolded == {
+        name: [f"{one.value:.5g}", *limits_text(one), one.unit] for name, one in two_times.in_programs.items()
+    }
+    assert len(rows) < len(unfolded)
+
+
+def test_an_interval_that_leaves_its_picture_tells_where_it_ends():
+    numbers = {"offset": Number("offset", 2.0, -1.0, 11.0), "gain": Number("gain", 4.0, 3.0, 5.0)}
+    picture = draw_intervals(SimpleNamespace(numbers=numbers, combinations={}, level=0.95))
+    (axes,) = picture.axes
+    assert sorted(text.get_text() for text in axes.texts) == ["450 %", "\N{MINUS SIGN}150 %"]
+    assert axes.get_xlabel() == "interval of 95 %, in % of the value"
+
+
 def test_a_motion_that_the_model_has_not_is_told_beside_every_interval(two_times, tmp_path):
     """The swing with a smaller one of another frequency added: no time and no modulus explains it."""
     right = history(swing())
@@ -216,7 +257,7 @@ def test_a_motion_that_the_model_has_not_is_told_beside_every_interval(two_times
     assert all("model misses motion" in one.how for one in numbers)
     assert "model misses motion" not in two_times[YOUNG].how
     words = " ".join(fit.report().split())
-    for text in ("intervals of 95%", "other programs"):
+    for text in ("intervals of 95 %", "other programs"):
         assert f"{text}: too narrow, the model misses part of tip" in words
     assert vr.load(fit.save(tmp_path / "fit.nc")).missed == ["tip"]
 

@@ -277,8 +277,8 @@ def many_lines():
 def test_the_kind_of_a_noisy_response_is_named_from_a_start_that_is_off(many_lines, power, words):
     """Peaks of the start are 7 % lower; in what the data do not explain nothing is sought for long."""
     case, clean = many_lines
-    lines = LINES[::2]
-    values = clean[::2] / (2j * np.pi * lines) ** power
+    lines = LINES[:201:2]  # two peaks, each as narrow as in all of them
+    values = clean[:201:2] / (2j * np.pi * lines) ** power
     noise = np.random.default_rng(0).normal(size=(2, len(lines)))
     values = values + 0.01 * np.abs(values).max() / np.sqrt(2.0) * (noise[0] + 1j * noise[1])
     fit = vr.identify(case, vr.ResponseRecord(lines, values), {YOUNG: 60e9, TIMES: 2e-4})

@@ -10,7 +10,10 @@ from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.equilibrium import equilibrium
 from viscorod.analyses.start_state import StartState
 from viscorod.results.late_attributes import LateAttributes
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import Snapshot
+from viscorod.solve.refinement.correction import Balance, corrected
+from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.mesh_watch import MeshWatch
 from viscorod.solve.settings.statics import EquilibriumSettings
 from viscorod.solve.start import Start
@@ -93,3 +96,30 @@ def test_attributes_that_are_known_wait_for_none():
     assert attributes.get("absent", 3) == 3
     assert dict(attributes) == {"title": "one", "late": 2}
     assert made == [1]
+
+
+@pytest.mark.parametrize("force", [0.01, 0.1])
+def test_the_counterpart_of_an_equilibrium_is_that_of_the_finer_mesh(force):
+    """Independent: the finer mesh solved by itself. Bent by 0.2 and 0.7 of its length, in one element of order 3."""
+    beam = vr.Model()
+    rubber = vr.Material(youngs_modulus=1e6, poissons_ratio=0.3)
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=rubber, elements=1, order=3
+    )
+    beam.add("beam", rod)
+    beam.clamp("beam.start")
+    beam.force("beam.end", (0.0, force, 0.0))
+    discrete = DiscreteModel.of(beam)
+    coarse = State.reference(discrete.problem)
+    discrete.static.solve(coarse)
+    finer = FinerMesh(beam, discrete.problem)
+    shape = Shape(coarse, discrete.static.system.gauss_points().section_force, np.zeros(0))
+    carried = finer.carried([shape])
+    began = finer.take_over(carried)
+    found = corrected(Balance(finer), began)
+    alone = State.reference(finer.problem)
+    FinerMesh(beam, discrete.problem).static.solve(alone)
+    moved = np.abs(found.r - began.r).max()
+    assert moved > 1e-5 * 0.3
+    assert np.abs(found.r - alone.r).max() < max(1e-7 * moved, 1e-10)
+    assert np.abs(found.q - alone.q).max() < 1e-8

@@ -19,6 +19,7 @@ from viscorod.results.state_arrays import PlainArray, StateArrays
 from viscorod.solve.constraints.rigid_motions import free_motions, surely_held
 from viscorod.solve.formulations.system import State
 from viscorod.solve.problem import chosen_divisions, layout
+from viscorod.solve.problem.model_parts import token
 from viscorod.solve.statics.tangent import negative_eigenvalues
 
 SWING = {"simulate.duration": 0.1, "simulate.tolerance": 1e-4}
@@ -151,6 +152,64 @@ def test_a_table_of_a_joint_that_was_changed_in_place_counts():
         model.joints[0].stiffness["rz"] = stiffness
         found.append(float(DiscreteModel.of(model).problem.joints.arrays.stiffness.max()))
     assert found == [1.0, 3.0]
+
+
+WRITTEN = {
+    "nothing": ({}, True),
+    "a modulus": ({"modulus": 2e6}, True),
+    "where it ends": ({"end": (1.0, 0.0, 0.1)}, False),
+    "which axis is first": ({"d1": (0.0, 1.0, 0.1)}, False),
+    "its elements": ({"elements": 2}, False),
+    "a spring": ({"spring": 2.0}, False),
+    "an axis": ({"axis": (0.0, 0.0, 1.0)}, False),
+    "where a mass is": ({"mass_at": (1.0, 0.1, 0.0)}, False),
+}
+
+
+def written(
+    modulus=1e6,
+    end=(1.0, 0.0, 0.0),
+    d1=None,
+    elements=1,
+    spring=1.0,
+    axis=(0.0, 1.0, 0.0),
+    mass_at=(1.0, 0.0, 0.0),
+):
+    """Return a model of parts that are all made anew."""
+    material = vr.Material(youngs_modulus=modulus, poissons_ratio=0.3)
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), end, section=vr.Rectangle(0.01, 0.02), material=material, d1=d1, elements=elements
+    )
+    model.add("beam", rod)
+    model.revolute("beam.start", "ground", axis, stiffness={"rz": spring})
+    model.add("weight", vr.Sphere(0.1, mass=1.0, centre=mass_at))
+    model.attach("weight", "beam.end")
+    return model
+
+
+@pytest.mark.parametrize(("changes", "shared"), WRITTEN.values(), ids=WRITTEN)
+def test_models_that_are_written_anew_share_what_they_have_in_common(changes, shared):
+    """Independent: the arrays of the same model with a layout of its own."""
+    forgotten()
+    one, other = (DiscreteModel.of(written(**given)).problem for given in ({}, changes))
+    assert (other.of_layout is one.of_layout) == shared
+    forgotten()
+    alone = DiscreteModel.of(written(**changes)).problem
+    for name in ("positions", "quaternions", "mass"):
+        np.testing.assert_array_equal(getattr(other, name), getattr(alone, name))
+    for mine, its in zip(other.joints.arrays, alone.joints.arrays, strict=True):
+        np.testing.assert_array_equal(mine, its)
+
+
+def test_parts_of_a_users_own_class_are_what_they_are_alone():
+    """What such a class computes from may be anything."""
+
+    class Own(vr.Clamp):
+        pass
+
+    assert token(vr.Clamp("beam.start")) == token(vr.Clamp("beam.start"))
+    assert token(Own("beam.start")) != token(Own("beam.start"))
 
 
 def test_a_problem_made_of_another_shares_nothing_with_it():

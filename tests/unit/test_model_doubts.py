@@ -286,3 +286,59 @@ def test_section_axes_far_from_the_plane_across_are_told(d1, angle):
     if angle:
         assert f"is {angle} degrees off" in told[0]
         assert "(0, 0, 1)" in told[0]
+
+
+def test_loads_that_supports_take_over_are_told():
+    """A clamp holds all that a force and a moment push, a roller a force along its normal only."""
+    model = bar()
+    model.force("bar.start", (0, 1.0, 0))
+    model.moment("bar@0", (0, 0, 1.0))
+    model.roller("bar.end", (0, 0, 1.0))
+    model.force("bar.end", (0, 0, 5.0))
+    model.force("bar.end", (0, 1e-3, 5.0))
+    found = model.equilibrium()
+    told = [re.match(r"loads\[(\d)\]: .* acts where supports\[(\d)\], the", text) for text in found.warnings]
+    assert [one.groups() for one in told] == [("0", "0"), ("1", "0"), ("2", "1")]
+    bend = 0.5**3 / (3.0 * 2.1e11 * np.pi / 4.0 * 0.005**4)  # shear adds 2e-4 of it
+    assert found.displacement("bar.end")[1] == pytest.approx(1e-3 * bend, rel=5e-4)
+
+
+@pytest.mark.parametrize(
+    ("damping", "told"),
+    [
+        ({"shear_time": 0.1, "bulk_time": 0.3}, True),
+        ({"shear_time": 0.1, "bulk_time": 0.1}, False),
+        ({"shear_time": 0.1, "bulk_time": 0.0}, False),
+        ({"shear_time": 0.1, "extensional_time": 0.1}, False),
+        ({"shear_viscosity": 1e4, "bulk_viscosity": 1e4}, True),
+    ],
+)
+def test_a_volume_that_does_not_change_is_not_damped(damping, told):
+    """LLT (4): eta_E = 3 eta for a Poisson's ratio of 0.5, whatever the bulk viscosity is."""
+    rubber = vr.Material(3e6, 0.5, 1000.0, damping=vr.KelvinVoigt(**damping))
+    assert [text for text in rubber.doubts if "has no effect: with a Poisson's ratio of 0.5" in text] == list(
+        rubber.doubts
+    )
+    assert bool(rubber.doubts) == told
+    assert rubber.extensional_time == pytest.approx(rubber.shear_time, rel=1e-12)
+
+
+@pytest.mark.parametrize(("temperature", "told"), [(293.15, True), (20.0, False), (250.0, False)])
+def test_temperatures_in_kelvin_are_told(temperature, told):
+    model = vr.Model()
+    shift = vr.Arrhenius(activation_energy=1e4, reference=20.0)
+    damping = vr.KelvinVoigt(shear_time=0.01, bulk_time=0.01)
+    material = vr.Material(1e9, 0.4, 1000.0, damping=damping, temperature=temperature, shift=shift)
+    model.add("bar", vr.Rod.straight((0, 0, 0), (0.5, 0, 0), section=WIRE, material=material))
+    model.clamp("bar.start")
+    found = [text for text in model.check().warnings if "degrees C" in text]
+    assert found == (
+        ["rod bar: temperature = 293.15 is read in degrees C; if it is 293.15 K, give 20 degrees C"]
+        if told
+        else []
+    )
+
+
+def test_a_damping_ratio_beside_kelvin_voigt_points_to_the_modal_kind():
+    with pytest.raises(vr.InputError, match=r"damping\.ratio: 0\.02: no such key; .* kind 'modal'"):
+        vr.Material(1e9, 0.4, 1000.0, damping={"kind": "kelvin_voigt", "ratio": 0.02})

@@ -226,7 +226,13 @@ def test_modes_show_bodies_and_coils_side_by_side():
     model.add("coil", vr.Rod.helix(0.02, 0.03, 4.0, section=section, material=material, elements=4))
     model.clamp("coil.start")
     modes = model.modes(6)  # its end sways by almost half of its width
-    for axes in draw_modes(modes, modes).axes:
+    picture = draw_modes(modes, modes)
+    panels = [axes.get_position() for axes in picture.axes]
+    assert (
+        sum(box.width * box.height for box in panels) > 0.65
+    )  # of the picture; titles take most of the rest
+    assert not [title for title in titles_of(picture) for axes in picture.axes if title.overlaps(axes.bbox)]
+    for axes in picture.axes:
         lines = {line.get_label(): line for line in axes.lines}
         drawn = [lines[name].get_xdata() for name in ("at rest", "mode", "half a period later")]
         assert all(np.nanmax(left) < np.nanmin(right) for left, right in pairwise(drawn))
@@ -317,14 +323,19 @@ def test_four_panels_stand_two_by_two():
     assert columns == [2] * 4
 
 
+def titles_of(picture):
+    """Where the titles of panels stand, which are flush left."""
+    shown = {axes.get_title(loc="left") for axes in picture.axes}
+    return boxes([text for text in picture.findobj(Text) if text.get_text() in shown], picture)
+
+
 @pytest.mark.parametrize("count", [1, 2])
 def test_the_legend_of_few_modes_ends_before_the_picture_does(count):
     picture = a_beam().modes(count).plot()
     (legend,) = picture.legends
     box = legend.get_window_extent(picture.canvas.get_renderer())
     assert box.x1 <= picture.bbox.x1
-    titles = boxes([axes.title for axes in picture.axes], picture)
-    assert box.y0 >= max(title.y1 for title in titles)
+    assert box.y0 >= max(title.y1 for title in titles_of(picture))
 
 
 def test_no_band_is_left_for_a_title_that_there_is_not(tmp_path):

@@ -221,6 +221,31 @@ def test_correlations_are_told_and_kept(held, tmp_path):
     assert Design.of_record(earlier, "a file of version 0.3").correlation == ()
 
 
+def test_an_ensemble_with_a_unit_behind_a_key_stays_one_in_its_folder(held, tmp_path):
+    """Its key was sought with the unit, so that what was loaded from the folder had no quantiles any more."""
+    widths = {WIDTH + " [mm]": scipy.stats.uniform(9.0, 2.0)}
+    found = vr.ensemble(held, widths, 8, quantities=TIP, workers=1, errors=0, folder=tmp_path)
+    assert found.design.keys == (WIDTH,)
+    assert found.design.distributions == ("uniform(9, 2) mm",)
+    again = vr.load(tmp_path)
+    assert isinstance(again, Ensemble)
+    assert again.report() == found.report()
+    shown = again.table()[WIDTH]
+    assert shown.between(0.009, 0.011).all()
+    with pytest.raises(vr.InputError, match=r"norm\(1, 2\) mm gives such values; truncnorm"):
+        vr.ensemble(held, {WIDTH + " [mm]": scipy.stats.norm(1.0, 2.0)}, 8, quantities=TIP, workers=1)
+    with pytest.raises(vr.InputError, match=r"two columns have this key; leave one of them out$"):
+        vr.ensemble(held, widths | {WIDTH: scipy.stats.norm(0.01, 1e-4)}, 8, quantities=TIP, workers=1)
+
+
+def test_a_mode_beyond_those_that_are_sought_says_how_many_to_seek():
+    case = case_from_dict(content("modes", count=2))
+    member = vr.sweep(
+        case, {MODULUS: [1e6]}, quantities={"f": ("frequency", 5)}, workers=1, errors=0
+    ).members[0]
+    assert member.message == "f: there are 2; there is no number 5; modes.count = 5 seeks more of them"
+
+
 def partial():
     """32 points of f = a, which no member with f > 0.9 has, and of a constant."""
     rows = np.random.default_rng(1).random((32, 3))

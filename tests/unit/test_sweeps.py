@@ -369,6 +369,14 @@ def test_modes_and_responses_are_swept(kind, tmp_path):
     quantity = {"modes": "eigenvalues", "response": "values"}[kind]
     np.testing.assert_array_equal(getattr(last, quantity), getattr(alone, quantity))
     assert "first frequency [Hz]" in flat(swept.report())
+    # the error by the mesh is the difference to twice as many elements
+    errs = swept.members[1].figures()["frequency_error"]
+    assert "mesh error" in flat(swept.report())
+    if kind == "modes":
+        finer = tomllib.loads(SMALL[kind])
+        finer["rods"]["beam"]["elements"] *= 2
+        better = run_case(case_from_dict(finer)).frequencies
+        assert errs == pytest.approx(np.max(np.abs(alone.frequencies - better) / better), rel=1e-6)
     # a beam of 0.2 m instead of 0.3 m: (3/2)^2 (closed form of Euler and Bernoulli; shear takes a little)
     first = swept.data["first_frequency"].values
     assert first[0] / first[1] == pytest.approx(2.25, rel=5e-3)

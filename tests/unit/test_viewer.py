@@ -399,8 +399,11 @@ def test_wrong_use_is_refused(tmp_path):
         view([run, run], tmp_path / "no.html")
     with pytest.raises(InputError, match=r"^result: .*: this has no page; give one of its members"):
         view(Sweep([]), tmp_path / "no.html")
+    (tmp_path / "folder.html").mkdir()
     with pytest.raises(InputError, match="cannot be written"):
-        view(run, tmp_path)
+        view(run, tmp_path / "folder.html")
+    with pytest.raises(InputError, match=r"the suffix '.txt' is not that of a page; use .html or .htm"):
+        view(run, tmp_path / "no.txt")
     assert not (tmp_path / "no.html").exists()
 
 

@@ -301,6 +301,20 @@ def test_narrow_window_needs_no_sideways_scrolling(shown, tmp_path):
     page.resize(1400, 900)
 
 
+def test_the_list_of_rods_of_a_chart_stands_below_its_long_title_on_a_telephone(shown):
+    model = vr.Model()
+    rubber = vr.Material(1e6, 0.3, 1000.0)
+    for name, y in (("left_finger", 0.0), ("right_finger", 0.1)):
+        model.add(name, vr.Rod.straight((0, y, 0), (0.3, y, 0), section=vr.Circle(0.005), material=rubber))
+        model.clamp(f"{name}.start")
+        model.force(f"{name}.end", (0.0, 0.0, 0.001))
+    page = shown(model.equilibrium(), width=420, height=800)
+    page.drawn()
+    assert page.run("document.getElementById('along-rod').hidden") is False
+    assert page.run("document.documentElement.scrollWidth") <= 420
+    page.resize(1400, 900)
+
+
 @pytest.mark.slow
 def test_long_run_is_drawn_fast_enough(shown):
     page = shown(Run(viewer_pages.beating()))

@@ -60,7 +60,7 @@ def _critical(discrete: DiscreteModel, settings: BucklingSettings) -> Buckling:
         return _found(discrete, settings, about, linear, points)
     points, course = search.exact(settings.count, linear, discrete.options.progress)
     if course.outcome in (Outcome.COMPLETED, Outcome.POINTS):
-        told = list(_growing(search, points, settings.count))
+        told = [*_growing(search, points, settings.count), *_rounded(search)]
         return _found(discrete, settings, about, linear, points, reached=search.reached, told=told)
     reached = f"{points[-1].factor:.6g}" if points else "the beginning"
     why = course.reason or course.outcome.value
@@ -155,6 +155,16 @@ def _growing(search: CriticalSearch, points: list[CriticalPoint], count: int) ->
             "the loads have no potential (they follow the sections, or are moments about fixed axes): oscillations "
             "may grow, beyond what was looked at, without any loss of stiffness; `model.stability` finds where they "
             "begin"
+        )
+
+
+def _rounded(search: CriticalSearch) -> Iterator[str]:
+    """Yield that the model gives way below its first critical load, as a column does that is not quite straight."""
+    if search.rounded is not None:
+        yield (
+            f"near the load factor {search.rounded:.3g} the model gives way without losing its stiffness, as a column "
+            "does that is not quite straight: the load at which the perfect one would buckle is near that, and `path` "
+            "shows how displacements grow there"
         )
 
 

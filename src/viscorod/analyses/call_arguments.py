@@ -268,14 +268,10 @@ def _signature(kind: type[Definition]) -> inspect.Signature:
 
 
 def _documented(text: str | None, kind: type[Definition]) -> str | None:
-    """Return a docstring with the arguments of a class, and of those that it is derived from, before its next part."""
+    """Return a docstring with the arguments of a class, which names those that it inherits, before its next part."""
     if text is None:  # python -OO
         return None
-    bases = [base for base in kind.__mro__ if issubclass(base, Definition)]
-    bases.sort(key=lambda base: issubclass(base, Titled))  # settings first, then what accompanies the call
-    sections = [inspect.cleandoc(base.__doc__ or "") for base in bases]
-    described = [section.partition("Args:\n")[2].split("\n\n")[0] for section in sections]
-    arguments = "\n".join(part for part in described if part)
+    arguments = inspect.cleandoc(kind.__doc__ or "").partition("Args:\n")[2].split("\n\n")[0]
     text = inspect.cleandoc(text)
     end = re.search(r"^(Returns|Raises):", text, flags=re.MULTILINE)
     place = end.start() if end else len(text)

@@ -26,12 +26,16 @@ with the density of water, and what is heavier than stone is a metal or a rubber
 LOSSY = 3.0
 """Loss factor that no material has: the best dampers reach 2 in the middle of their glass transition."""
 
+KELVIN = 273.15
+"""0 degrees C in K."""
+WARM = 200.0
+"""Temperature from which on, if it is a whole number of degrees C beside the digits of 273.15 K, it is one in K."""
 FAR_FROM_TABLE = 10.0
 """Times by which a modulus that is given may be outside of its own table of moduli: glass over rubber is more."""
 
 
 def doubtful_numbers(model: ModelDescription) -> list[str]:
-    """Return what looks as if it were given in another unit: elastic constants, loss factors, angles of arcs."""
+    """Return what looks as if it were given in another unit: elastic constants, loss factors, temperatures, angles."""
     users: dict[str, list[str]] = {}
     for name, rod in model.rods.items():
         texts = [] if rod.material is None else list(_of_material(rod.material))
@@ -58,6 +62,7 @@ def _of_material(material: Material) -> Iterator[str]:
         elif any(density >= heavy and modulus < soft for heavy, soft in SOFT):
             yield f"{given} are those of no solid, which is much stiffer; 1 MPa is 1e6 Pa and 1 GPa is 1e9 Pa"
     damping = material.damping
+    yield from _in_kelvin(material)
     if isinstance(damping, ComplexModuli):
         for strain, table in damping.tables.items():
             word, mine = (
@@ -76,6 +81,22 @@ def _of_material(material: Material) -> Iterator[str]:
             largest = max(_numbers(getattr(damping, name)), default=0.0)
             if largest > LOSSY:
                 yield f"a loss factor of {largest:.4g} in {name} is that of no material; 1 % is 0.01"
+
+
+def _in_kelvin(material: Material) -> Iterator[str]:
+    """Yield which temperatures look as if they were given in K."""
+    given = {
+        "temperature": material.temperature,
+        "shift.reference": getattr(material.shift, "reference", None),
+        "damping.temperature": getattr(material.damping, "temperature", None),
+    }
+    for key, value in given.items():
+        if isinstance(value, float) and value > WARM:
+            celsius = value - KELVIN
+            if abs(celsius - round(celsius)) < 1e-6:
+                yield (
+                    f"{key} = {value:.6g} is read in degrees C; if it is {value:.6g} K, give {round(celsius)} degrees C"
+                )
 
 
 def _numbers(value: float | Sequence[float] | None) -> Iterable[float]:

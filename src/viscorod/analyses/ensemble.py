@@ -16,6 +16,7 @@ from viscorod.analyses.sweeps.points import (
     require_distributions,
     uniform_points,
 )
+from viscorod.analyses.sweeps.rows import key_and_unit
 from viscorod.argument_names import telling
 from viscorod.casefile.case import Case
 from viscorod.errors import Fault, InputError, SolveError
@@ -59,7 +60,7 @@ def ensemble(
     Args:
         case: a case, or the path of its file; it must be right as it stands.
         distributions: key of the case file -> frozen distribution of SciPy, such as ``scipy.stats.norm(1e6, 5e4)``, in
-            SI units.
+            SI units, or in the unit behind the key: ``"sections.strip.height [mm]"``.
         n: number of points, a power of two.
         quantities: as of ``viscorod.sweep``.
         seed: of the scrambling.
@@ -82,14 +83,15 @@ def ensemble(
     if indices and correlation is not None:
         why = "parts of a variance belong to independent numbers"
         raise InputError(Fault("indices", "true", why, "leave out the correlation, or the indices"))
-    keys = tuple(distributions)
-    uniform = uniform_points(n, len(keys) * (2 if indices else 1), seed)
-    rows = _saltelli_rows(uniform, len(keys)) if indices else uniform
+    count = len(distributions)
+    uniform = uniform_points(n, count * (2 if indices else 1), seed)
+    rows = _saltelli_rows(uniform, count) if indices else uniform
     columns = points_of(rows, distributions, correlation)
     correlated = () if correlation is None else np.asarray(correlation, dtype=float).tolist()
+    drawn = [(*key_and_unit(head), distribution_text(found)) for head, found in distributions.items()]
     design = Design(
-        keys,
-        tuple(map(distribution_text, distributions.values())),
+        tuple(key for key, _, _ in drawn),
+        tuple(f"{text} {unit}".strip() for _, unit, text in drawn),
         int(n),
         int(seed),
         bool(indices),
@@ -130,8 +132,8 @@ def _saltelli_rows(uniform: Floats, d: int) -> Floats:
 
 
 def _of_drawn(fault: Fault, design: Design) -> Fault:
-    """Return a fault with what to do where its value was drawn."""
-    if fault.where not in design.keys:
+    """Return a fault with what to do where its value was drawn; a fault without a value is one of the key."""
+    if fault.where not in design.keys or not fault.found:
         return fault
     drawn = design.distributions[design.keys.index(fault.where)]
     advice = f"{drawn} gives such values; truncnorm, lognorm or uniform can be kept within what is allowed"

@@ -13,7 +13,7 @@ from viscorod.errors import SolveError
 from viscorod.results.followed_modes import FollowedModes
 from viscorod.results.late_attributes import LateAttributes
 from viscorod.solve.formulations.system import State
-from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.linearisation import nodal_motions, rigid_parts
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.problem.division import divisions_of
 from viscorod.solve.refinement.finer_divisions import MOST_CHOSEN_NODES
@@ -192,7 +192,8 @@ def _stray(samples: list[Sample]) -> float | None:
 
 def names_of(discrete: DiscreteModel, state: State, sample: Sample) -> list[str]:
     """Return the names of the modes by their strains in a sample, about a state."""
-    energies = StrainEnergies(discrete.system, state, nodal_motions(discrete.problem))
+    rigid = rigid_parts(discrete.system, discrete.supports, state)
+    energies = StrainEnergies(discrete.system, state, nodal_motions(discrete.problem), rigid)
     order = np.argsort(np.abs(sample.roots), kind="stable")
     kinds = energies.kinds(sample.shapes[:, order])
     found = numbered(kinds, sample.roots[order].imag == 0.0)

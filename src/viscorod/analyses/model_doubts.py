@@ -7,6 +7,7 @@ from collections.abc import Iterator, Mapping
 
 import numpy as np
 
+from viscorod.analyses.carried_loads import carried_loads
 from viscorod.analyses.doubtful_numbers import doubtful_numbers
 from viscorod.analyses.touching_coils import TOUCHING
 from viscorod.analyses.unjoined_rods import unjoined_rods
@@ -52,6 +53,7 @@ def model_doubts(model: ModelDescription, problem: Problem, duration: float = 0.
         *damping,
         *shapes,
         *_loads(model),
+        *carried_loads(model),
         *_pushing(model),
         *unjoined_rods(model, problem),
         *tables,

@@ -126,7 +126,10 @@ class _Computation:
             discrete, settings, start.vibrations, make, start.begin, start.modes
         )
         ringing = set_off(discrete, settings, start.modes, start.begin)
-        self.effort = many_steps(control, settings.duration, settings, discrete.problem.periods, ringing)
+        relaxes = any(part.branches.size for part in discrete.problem.sets)
+        self.effort = many_steps(
+            control, settings.duration, settings, discrete.problem.periods, ringing, relaxes
+        )
         if self.effort:
             warn(self.effort, at_once=True)
         self.halved = halved_steps(discrete, settings, start.modes, self.chosen, self.twin)

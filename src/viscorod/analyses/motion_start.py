@@ -28,10 +28,15 @@ __all__ = ["MotionStart", "held_part", "initial_state"]
 REACHED = 1e-6
 """Distance over the size of the model, or angle, by which a start may miss what supports and joints prescribe."""
 
+_MOVED_BEFORE = (
+    "initial: before the given velocities act, the model came to rest under its loads, away from the reference shape; "
+    "initial = 'reference' gives them to the shape that was described, as of a top or a pendulum that is let go"
+)
+
 
 def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[State, str]:
     """Return the state that a motion starts from, and what it is in words."""
-    state, text = State.reference(discrete.problem), "the reference shape"
+    state, text, settled = State.reference(discrete.problem), "the reference shape", False
     if settings.start is not None:
         found = StartState(discrete, settings.start)
         state, text = found.state, found.label
@@ -43,6 +48,7 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     elif settings.initial == "equilibrium":
         search = find_initial_equilibrium(discrete, state)
         text = "the equilibrium" if search is None else f"the equilibrium, found by {search.found_by}"
+        settled = search is not None and search.settled
     else:
         _require_closed(discrete)
         _require_held(discrete, state)
@@ -50,7 +56,9 @@ def initial_state(discrete: DiscreteModel, settings: SimulateSettings) -> tuple[
     if settings.start is None:
         state.twist[:] = given
         if given.any():
-            _note(discrete, blow_at_start(discrete.system, discrete.supports, state), show=True)
+            doubts = [_MOVED_BEFORE] if settled else []
+            doubts += blow_at_start(discrete.system, discrete.supports, state)
+            _note(discrete, doubts, show=True)
     elif given.any():
         raise InputError(
             "velocities: the motion starts with the velocities of an earlier result; leave the initial velocities out, "

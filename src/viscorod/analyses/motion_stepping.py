@@ -34,6 +34,8 @@ SEEN = 16
 """Slowest vibrations that equal steps are chosen by."""
 MANY = 50_000
 """Steps of a run from which on it is said beforehand that there are so many."""
+MANY_BESIDE_CREEP = MANY // 10
+"""The same of vibrations that a start sets off in what relaxes, where creep may be all that is meant."""
 STEPS_PER_RINGING = 10
 """Steps per period that a vibration which is not damped takes, about, by default; 7 to 30 were seen."""
 STEPS_PER_PERIOD = 6
@@ -134,6 +136,7 @@ def many_steps(
     settings: SimulateSettings,
     periods: Sequence[float] = (),
     ringing: tuple[float, float] = (0.0, 0.0),
+    relaxes: bool = False,
 ) -> str:
     """Return a warning if steps that the program has chosen, or vibrations ask for, are very many, else nothing.
 
@@ -141,13 +144,14 @@ def many_steps(
         control: of the steps; duration: of the motion [s]; settings: of it.
         periods: of harmonic loads and motions [s].
         ringing: frequency [Hz] and number of periods of what the start sets off, see ``periods_set_off``.
+        relaxes: whether rods have Maxwell branches, so that they creep.
     """
     method = INTEGRATORS[settings.integrator]
     if isinstance(control, ErrorControl):
         shortest = min(periods, default=math.inf)
         count = math.ceil(STEPS_PER_PERIOD * duration / shortest)
         if count < MANY:
-            return _rings(*ringing)
+            return _rings(*ringing, MANY_BESIDE_CREEP if relaxes else MANY)
         return (
             f"a load or motion of {quantity(1.0 / shortest, 'Hz', 3)} asks for at least {count} steps, "
             f"{STEPS_PER_PERIOD} of each period; if it is what is meant, frequency_response and periodic have the "
@@ -174,10 +178,10 @@ def set_off(
     return periods_set_off(discrete.problem, modes(), start, settings.duration, held_part(settings))
 
 
-def _rings(frequency: float, periods: float) -> str:
-    """Return a warning if the start sets off a vibration that asks for very many steps, else nothing."""
+def _rings(frequency: float, periods: float, many: int) -> str:
+    """Return a warning if the start sets off a vibration that asks for ``many`` steps or more, else nothing."""
     count = STEPS_PER_RINGING * periods
-    if count < MANY:
+    if count < many:
         return ""
     return (
         f"what begins at once at the start lets the model ring at {quantity(frequency, 'Hz', 3)}, {periods:.2g} "

@@ -80,14 +80,13 @@ def _passes_unstable_states(discrete: DiscreteModel, halved: HalvedSteps) -> boo
 
     Some are looked at on the way to where it is farthest from its start.
     """
-    states = halved.states
-    begin = halved.start.r
-    far = np.array([np.linalg.norm(state.r - begin) for _, state in states])
+    trials, begin = halved.trials, halved.start.r
+    far = np.array([np.linalg.norm(state.r - begin) for state in trials.states])
     if not far.any():
         return False
     way = far[: int(np.argmax(far)) + 1] / far.max()
     for k in sorted({int(np.argmin(np.abs(way - level))) for level in LEVELS}):
-        t, state = states[k]
+        t, state = trials.times[k], trials.states[k]
         static = discrete.static
         static.restore(state, t, before=True, scale=1.0)
         if static.surely_stable(state, t, before=True, scale=1.0):

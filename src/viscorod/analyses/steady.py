@@ -16,10 +16,10 @@ from viscorod.results.state_arrays import Arranged, StateArrays
 from viscorod.results.steady_result import Steady
 from viscorod.shown import counted
 from viscorod.solve.energy_account import EnergyAccount
-from viscorod.solve.formulations.system import State, System
+from viscorod.solve.formulations.system import State
 from viscorod.solve.history import History, Snapshot
 from viscorod.solve.modes.damped import REAL
-from viscorod.solve.modes.linearisation import nodal_motions
+from viscorod.solve.modes.linearisation import nodal_motions, rigid_parts
 from viscorod.solve.modes.mode_names import StrainEnergies, numbered
 from viscorod.solve.modes.vibrations import station_shapes
 from viscorod.solve.settings.steady import SteadySettings
@@ -117,13 +117,13 @@ def _arrays(
         "momentum": ("axis", found.momentum),
         "eigenvalue": (("small_motion", "part"), np.column_stack([kept.real, kept.imag])),
     }
-    more |= _of_motions(discrete.system, found, len(kept))
+    more |= _of_motions(discrete, found, len(kept))
     return lambda: states().beside(more, {"part": ("real", "imaginary")})
 
 
-def _of_motions(system: System, found: SteadyRotation, count: int) -> Arranged:
+def _of_motions(discrete: DiscreteModel, found: SteadyRotation, count: int) -> Arranged:
     """Return what tells of the ``count`` slowest small motions, made when it is asked for."""
-    problem, stability = system.problem, found.stability
+    problem, stability = discrete.problem, found.stability
 
     @cache
     def increments() -> np.ndarray:
@@ -135,7 +135,8 @@ def _of_motions(system: System, found: SteadyRotation, count: int) -> Arranged:
 
     @cache
     def energies() -> StrainEnergies:
-        return StrainEnergies(system, found.state, nodal_motions(problem))
+        rigid = rigid_parts(discrete.system, discrete.supports, found.state)
+        return StrainEnergies(discrete.system, found.state, nodal_motions(problem), rigid)
 
     def names() -> np.ndarray:
         kept, kinds = stability.eigenvalues[:count], energies().kinds(increments())

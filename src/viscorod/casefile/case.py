@@ -118,6 +118,9 @@ def case_from_dict(
         plain: whether it is known to be `is_plain`.
     """
     heading = str(source) if source is not None else "case"
+    if source is not None and "records" in data and not {"rods", "bodies", "materials"} & set(data):
+        says = "it says what is identified from records, and is no case file"
+        raise InputError(f"{source}: {says}; compute it with: viscorod identify {source}")
     if not plain and (deep := too_deep(data)):
         why = f"tables or lists are nested more than {DEEPEST_NESTING} deep"
         raise InputError(Fault(deep, "", why, "give what the key needs"), heading=heading)

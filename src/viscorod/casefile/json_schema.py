@@ -97,11 +97,13 @@ def is_required(field: FieldInfo) -> bool:
 
 def _in_files(kinds: Mapping[str, type[Definition]]) -> dict[str, type[Definition]]:
     """Return the kinds that a case file can describe: not those that need a Python function."""
-    return {
-        word: kind
-        for word, kind in kinds.items()
-        if all(name in fields_of(kind) for name, field in kind.model_fields.items() if field.is_required())
-    }
+    return {word: kind for word, kind in kinds.items() if _is_in_files(kind)}
+
+
+@cache  # every case with a unit asks again which kinds there are
+def _is_in_files(kind: type[Definition]) -> bool:
+    fields = fields_of(kind)
+    return all(name in fields for name, field in kind.model_fields.items() if field.is_required())
 
 
 def parts() -> dict[str, type[Definition]]:

@@ -68,11 +68,12 @@ def ensemble(
         folder = writable(output or Path("out") / case.stem)
         distributions = each_once(map(drawn, draw), "--draw")
         part = part_of(members)
-        count = points * (len(distributions) + 2 if indices else 1)
+        count = max(points * (len(distributions) + 2 if indices else 1), 1)
+        asked = len(range(count)[part or slice(None)])
         failed = False
         with nullcontext() if part is not None else locked(folder):
             try:
-                with counting(max(count, 1), "members", shown=not quiet()) as progress:
+                with counting(asked, "members", shown=not quiet()) as progress:
                     result = compute(
                         loaded,
                         distributions,

@@ -149,6 +149,9 @@ def sweep(
             raise InputError(
                 "--set: a table has the columns that vary; give one value for all members, or --grid"
             )
+        if not (values or grid or table):
+            words = "--set KEY=VALUES, --grid KEY=VALUES or --table FILE.csv"
+            raise InputError(f"nothing varies; give {words}, such as --set rods.beam.elements=1,2,4")
         given: dict[str, Any] = {
             "values": table or columns or None,
             "grid": crossed or None,

@@ -68,19 +68,41 @@ def figure(width: float, height: float) -> Figure:
     return result
 
 
-def legend_of_all(picture: Figure, height: float) -> None:
-    """Put what the first panel names, without shadows, above all panels of a picture [inches]."""
+def legend_of_all(picture: Figure, height: float) -> int:
+    """Put what the first panel names, without shadows, above all panels of a picture [inches]; returns its rows."""
     handles, labels = picture.axes[0].get_legend_handles_labels()
     wanted = [k for k, label in enumerate(labels) if "shadow" not in label]
     named = [labels[k] for k in wanted]
+    columns = _columns_within(named, picture.get_figwidth())
     picture.legend(
         [handles[k] for k in wanted],
         named,
         loc="upper left",
         bbox_to_anchor=(0.005, 1.0 - 0.36 / height),
-        ncols=_columns_within(named, picture.get_figwidth()),
+        ncols=columns,
         frameon=False,
         fontsize=SMALL,
+    )
+    return -(-len(named) // columns)
+
+
+def panels_close(picture: Figure, rows: int, columns: int, *, labelled: bool) -> None:
+    """Set panels as near to each other as their titles and the labels of their axes allow, below a legend of all."""
+    width, height = picture.get_size_inches()
+    above = 0.45 + 0.22 * legend_of_all(picture, height)
+    lines = max(axes.get_title(loc="left").count("\n") + 1 for axes in picture.axes)
+    title, below = (1.3 * lines * SMALL + 8.0) / 72.0, 0.6 if labelled else 0.1
+    beside = 0.85 if labelled else 0.15
+    top, bottom = height - above - title, below
+    across = (width - 0.2 - beside * columns) / columns
+    up = (top - bottom - (rows - 1) * (title + below)) / rows
+    picture.subplots_adjust(
+        left=beside / width,
+        right=1.0 - 0.2 / width,
+        bottom=bottom / height,
+        top=top / height,
+        wspace=beside / across,
+        hspace=(title + below) / up,
     )
 
 

@@ -34,7 +34,7 @@ from viscorod.records.response_doubts import (
 from viscorod.records.response_record import ResponseRecord
 from viscorod.records.response_unit import is_load_over_motion
 from viscorod.results.modal_fit_result import ModalFit
-from viscorod.results.resonances import resonances_of
+from viscorod.results.resonances import MEASURED, resonances_of
 from viscorod.results.text_numbers import per_cent
 from viscorod.solve.estimation.noise import MEDIAN_TO_DEVIATION
 from viscorod.typing import Floats
@@ -364,7 +364,7 @@ def _half_power(hertz: Floats, records: list[ResponseRecord], frequency: float, 
     nothing = np.empty(0, dtype=complex)
     near = np.abs(hertz - frequency) < HALF_POWER_WITHIN * width
     for one in (one for one in records if one.window is None):
-        for peak in resonances_of(hertz[near], one.values[near], (nothing, nothing), ()):
+        for peak in resonances_of(hertz[near], one.values[near], (nothing, nothing), (), MEASURED):
             if abs(peak.frequency - frequency) < width and peak.half_power is not None:
                 return peak.half_power
     return None

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from viscorod.errors import InputError
+from viscorod.results.sweep_members import NOT_RUN
 from viscorod.results.text_numbers import number, prefixed
 from viscorod.results.text_table import page, table
 from viscorod.results.told_members import told_members
@@ -18,6 +19,12 @@ __all__ = ["report_of"]
 
 LEVELS = (0.05, 0.5, 0.95)
 MOST_MESSAGES = 10
+_ERRORS = (
+    ("mesh_error", "Positions", "by the mesh {} of the length"),
+    ("step_error", "Positions", "by the steps {} m"),
+    ("frequency_error", "Frequencies", "by the mesh {} of them"),
+    ("critical_load_error", "Critical loads", "by the mesh {} of them"),
+)
 
 
 def report_of(found: Ensemble) -> str:
@@ -31,6 +38,9 @@ def report_of(found: Ensemble) -> str:
     if design.indices:
         blocks += _indices(found)
     blocks.append(_errors(found))
+    left = found.members.found.outcomes().count(NOT_RUN)
+    if left:
+        blocks.append(f"{left} member{'s were' if left > 1 else ' was'} not run")
     blocks += told_members(found.members.found.told(), MOST_MESSAGES)
     return page([*blocks, *found.notes])
 
@@ -92,15 +102,15 @@ def _indices(found: Ensemble) -> list[str]:
 def _errors(found: Ensemble) -> str:
     """Say what mesh and steps leave, of the members for which that was estimated."""
     columns, count = found.members.found.measured, found.count_completed
-    parts = []
-    for name, what, unit in (
-        ("mesh_error", "by the mesh", "of the length"),
-        ("step_error", "by the steps", "m"),
-    ):
+    told: dict[str, list[str]] = {}
+    for name, what, error in _ERRORS:
         values = columns.get(name, np.zeros(0))
         known = values[np.isfinite(values)]
         if len(known):
-            parts.append(f"{what} {known.max():.1g} {unit} ({len(known)} of {count} members)")
-    if not parts:
+            words = error.format(f"{known.max():.1g}")
+            told.setdefault(what, []).append(f"{words} ({len(known)} of {count} members)")
+    if not told:
         return "Errors of mesh and steps were not estimated."
-    return f"Positions are off, at most and as estimated, {' and '.join(parts)}."
+    return " ".join(
+        f"{what} are off, at most and as estimated, {' and '.join(parts)}." for what, parts in told.items()
+    )

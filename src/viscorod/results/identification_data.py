@@ -67,7 +67,11 @@ VARIABLES: Variables = {
     "law_square": (("law",), "1", "sum of squares in units of the noise of the best"),
     "law_aicc": (("law",), "1", "Akaike's corrected criterion, less the least"),
     "law_bic": (("law",), "1", "Bayesian criterion, less the least"),
-    "law_prediction": (("law",), "1", "error of records left out, over their noise; 0 where none was"),
+    "law_prediction": (
+        ("law",),
+        "1",
+        "error of records left out, over the noise that was told of them or else their spread; 0 where none was",
+    ),
     "foretold_frequency": (
         ("foretold",),
         "Hz",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from viscorod.results.text_numbers import scaled
+from viscorod.results.text_numbers import per_cent, quantity, scaled
 from viscorod.results.text_table import listed, page, table
 
 if TYPE_CHECKING:
@@ -20,6 +20,8 @@ __all__ = [
     "identification_report",
     "laws_table",
     "limits_text",
+    "programs_table",
+    "residuals_table",
     "what_intervals_are_worth",
     "with_prefix",
 ]
@@ -38,7 +40,12 @@ def identification_report(fit: Identification) -> str:
     if starts > 1:
         heading += f"\n{fit.data.attrs['agreeing_starts']} of {starts} starts ended in this minimum"
     worth = what_intervals_are_worth(fit)
-    blocks = [heading, _numbers(f"Numbers of the model, intervals of {fit.level:.0%}{worth}", fit.parameters)]
+    blocks = [
+        heading,
+        _numbers(
+            f"Numbers of the model, intervals of {per_cent(100.0 * fit.level, 4)}{worth}", fit.parameters
+        ),
+    ]
     if fit.nuisances:
         blocks.append(_numbers(f"Numbers of the measurement{worth}", fit.nuisances))
     if fit.combinations:
@@ -54,18 +61,15 @@ def identification_report(fit: Identification) -> str:
         )
     if fit.sentences:
         blocks.append(listed("What to know", fit.sentences))
-    blocks.append(_residuals(fit))
+    blocks.append(table("What is left", *residuals_table(fit)))
     if fit.laws:
-        blocks.append(table("Laws on the same data; criteria less the least", *laws_table(fit, "left out")))
+        blocks.append(table("Laws on the same data; criteria less the least", *laws_table(fit)))
     if fit.foretold:
         header, rows = foretold_table(fit)
         blocks.append(table(FORETOLD, header, rows))
     if fit.in_programs:
-        rows = [
-            [name, f"{one.value:.5g}", *limits_text(one), one.unit] for name, one in fit.in_programs.items()
-        ]
-        header = ["", "value", "low", "high", "unit"]
-        blocks.append(table(f"The damping in the numbers of other programs{worth}", header, rows))
+        heading = f"The damping in the numbers of other programs{worth}"
+        blocks.append(table(heading, *programs_table(fit)))
     if fit.warnings:
         blocks.append(listed("Warnings", fit.warnings))
     return page(blocks)
@@ -121,29 +125,41 @@ def _numbers(title: str, numbers: dict[str, Number]) -> str:
     return table(title, ["", "value", "low", "high", "unit", "standard error", "interval by"], rows)
 
 
-def _residuals(fit: Identification) -> str:
+def residuals_table(fit: Identification) -> tuple[list[str], list[list[str]]]:
+    """Return the heads and the rows of a table of what the model leaves of every series."""
     data = fit.data
     rows = []
     for k, name in enumerate(data["series"].values):
         mine = data["series_of"].values == k
-        told = float(data["noise_told"].values[k])
+        told, unit = float(data["noise_told"].values[k]), str(data["quantity_unit"].values[k])
+        unit = "" if unit == "1" else unit
         rows.append(
             [
                 str(name),
                 str(int(mine.sum())),
                 f"{float(data['effective_count'].values[k]):.0f}",
-                f"{float(data['noise'].values[k]):.3g}",
-                f"{told:.3g}" if told else "-",
+                quantity(float(data["noise"].values[k]), unit, 3),
+                quantity(told, unit, 3) if told else "-",
                 str(int(data["noise_order"].values[k])),
                 f"{float(data['whiteness'].values[k]):.2g}",
             ]
         )
-    header = ["", "values", "effective", "noise", "told", "order", "p(white)"]
-    return table("What is left", header, rows)
+    return ["", "values", "effective", "noise", "told", "order", "p(white)"], rows
 
 
-def laws_table(fit: Identification, left_out: str) -> tuple[list[str], list[list[str]]]:
-    """Return the heads and the rows of a table of laws; ``left_out`` is the head of errors of what was left out."""
+def programs_table(fit: Identification) -> tuple[list[str], list[list[str]]]:
+    """Return the heads and the rows of a table of inputs of other programs; equal ones of a program share a row."""
+    shared: dict[tuple[str, ...], list[str]] = {}
+    for name, one in fit.in_programs.items():
+        program, colon, word = name.rpartition(": ")
+        row = (program + colon, f"{one.value:.5g}", *limits_text(one), one.unit)
+        shared.setdefault(row, []).append(word)
+    rows = [[program + " = ".join(words), *rest] for (program, *rest), words in shared.items()]
+    return ["", "value", "low", "high", "unit"], rows
+
+
+def laws_table(fit: Identification) -> tuple[list[str], list[list[str]]]:
+    """Return the heads and the rows of a table of laws."""
     held = any(law.prediction > 0.0 for law in fit.laws)
     rows = [
         [
@@ -157,7 +173,7 @@ def laws_table(fit: Identification, left_out: str) -> tuple[list[str], list[list
         ]
         for law in fit.laws
     ]
-    return ["law", "numbers", "squares", "AICc", "BIC", *([left_out] if held else []), "fitted"], rows
+    return ["law", "numbers", "squares", "AICc", "BIC", *(["left out"] if held else []), "fitted"], rows
 
 
 def foretold_table(fit: Identification) -> tuple[list[str], list[list[str]]]:

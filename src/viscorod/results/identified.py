@@ -47,7 +47,8 @@ class Law:
     Attributes:
         name: of it; unknowns: numbers that were fitted; values: what they are, in words.
         square: sum of squares in units of the noise of the best; aicc, bic: criteria less the least.
-        prediction: error of records left out over their noise, 0 where none was.
+        prediction: root mean square error of records left out, over the noise that was told of them or else their
+            standard deviation (of modes each value); 0 where none was.
     """
 
     name: str

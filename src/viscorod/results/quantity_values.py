@@ -203,10 +203,12 @@ def _numbered(what: str) -> Callable[[Any, Sequence[Word]], float]:
                 raise InputError(f"there is no {word!r}; there are {', '.join(names) or 'numbers only'}")
             return float(values[names.index(word)])
         if word > len(values):
-            there = (
-                f"there are {len(values)}; there is no number {word:g}" if len(values) else "there is none"
-            )
-            raise InputError(there)
+            from viscorod.results.modes_result import Modes
+
+            sought = isinstance(result, Modes)
+            more = f"; modes.count = {word:g} seeks more of them" if sought else ""
+            there = f"there are {len(values)}; there is no number {word:g}{more}"
+            raise InputError(there if len(values) else "there is none")
         return float(values[int(word) - 1])
 
     return read

@@ -11,10 +11,13 @@ import scipy  # its parts are imported when they are asked for
 from viscorod.argument_names import known_arguments
 from viscorod.typing import Floats
 
-__all__ = ["Resonance", "resonances_of"]
+__all__ = ["MEASURED", "Resonance", "resonances_of"]
 
-PROMINENT = 1.2
-"""Size of a peak over that of the valleys beside it at least."""
+PROMINENT = 1.002
+"""Size of a computed peak over that of the valleys beside it at least: more than round-off, less than the two peaks of
+a damper that is tuned."""
+MEASURED = 1.2
+"""The same of a measured one, which noise makes uneven."""
 LOPSIDED = 3.0
 """Distance of one half-power frequency from the peak over that of the other; of one mode alone it is below 1.6."""
 HIGHER = 1.05
@@ -50,18 +53,23 @@ class Resonance:
 
 
 def resonances_of(
-    hertz: Floats, response: np.ndarray, roots: tuple[np.ndarray, np.ndarray], names: Sequence[str]
+    hertz: Floats,
+    response: np.ndarray,
+    roots: tuple[np.ndarray, np.ndarray],
+    names: Sequence[str],
+    prominent: float = PROMINENT,
 ) -> list[Resonance]:
     """Return the peaks of a response.
 
     Args:
         hertz: increasing frequencies ``(n,)``; response: there ``(n,)``.
         roots: poles ``s`` [1/s] and their residues; names: of their motions.
+        prominent: size of a peak over that of the valleys beside it at least.
     """
     poles, residues = roots
     size = np.abs(response)
     found = []
-    for k in _peaks(size):
+    for k in _peaks(size, prominent):
         f, top = _summit(hertz[k - 1 : k + 2], size[k - 1 : k + 2])
         unseen = _unseen(hertz[k - 1 : k + 2], top, poles, residues)
         if unseen is not None:
@@ -111,10 +119,10 @@ def _unseen(hertz: Floats, top: float, poles: np.ndarray, residues: np.ndarray) 
     return int(hidden[np.argmax(heights[hidden])]) if len(hidden) else None
 
 
-def _peaks(size: Floats) -> np.ndarray:
+def _peaks(size: Floats, prominent: float) -> np.ndarray:
     """Return the places of maxima that stand out from the valleys on both sides."""
     height = np.log(np.maximum(size, np.finfo(float).tiny))
-    _, found = scipy.signal.find_peaks(height, plateau_size=1, prominence=np.log(PROMINENT))
+    _, found = scipy.signal.find_peaks(height, plateau_size=1, prominence=np.log(prominent))
     return np.asarray(found["left_edges"])
 
 

@@ -62,6 +62,15 @@ FIGURES = {
     "mesh_error": Figure(
         "1", "estimated error of positions by the mesh, over the length", "mesh error", "{:.1g}".format
     ),
+    "frequency_error": Figure(
+        "1", "estimated error of the frequencies by the mesh, in parts of them", "mesh error", "{:.1g}".format
+    ),
+    "critical_load_error": Figure(
+        "1",
+        "estimated error of the critical loads by the mesh, in parts of them",
+        "mesh error",
+        "{:.1g}".format,
+    ),
     "step_error": Figure("m", "estimated error of positions by the steps", "step error [m]", "{:.1g}".format),
     "numerical_fraction": Figure(
         "1",
@@ -88,11 +97,26 @@ def figures_of(result: AnyResult | None) -> dict[str, float]:
         found |= {"step_error": steps["position"]} if "position" in steps else {}
         found["time_reached"] = float(result.time[-1])
         found["numerical_fraction"] = result.energy.numerical_fraction
+    found |= _errors_by_mesh(result)
     if isinstance(result, Modes | FrequencyResponse):
         found |= _slowest(result.eigenvalues if isinstance(result, Modes) else result.poles)
     if isinstance(result, Periodic | FrequencyResponse):
         _, found["peak_frequency"], found["peak"] = result.summit()
     return found | _first(result)
+
+
+def _errors_by_mesh(result: AnyResult) -> dict[str, float]:
+    """Return the largest estimated error by the mesh of a result without states; none where it was not estimated."""
+    known = {
+        "frequency_error": result.frequency_errors if isinstance(result, Modes) else np.zeros(0),
+        "critical_load_error": result.errors if isinstance(result, Buckling) else np.zeros(0),
+    }
+    found = {name: float(errors.max()) for name, errors in known.items() if len(errors)}
+    if isinstance(result, Periodic | FrequencyResponse) and (
+        error := result.data.attrs.get("frequency_error")
+    ):
+        found["frequency_error"] = float(error)
+    return found
 
 
 def _first(result: AnyResult) -> dict[str, float]:

@@ -251,7 +251,12 @@ class Sweep(WellNamed, Shown, Alike):
         if len(tried) > MOST_ROWS:
             blocks.append(f"These are the first {MOST_ROWS}; all are in the table")
         if tried and len(tried) < len(self.members):
-            blocks.append(f"{len(self.members) - len(tried)} members were not run and are not listed")
+            left = len(self.members) - len(tried)
+            blocks.append(
+                f"{left} members were not run and are not listed"
+                if left > 1
+                else "1 member was not run and is not listed"
+            )
         blocks += told_members(self.members.found.told(), MOST_MESSAGES)
         blocks += self.notes
         if self.separate:

@@ -16,7 +16,7 @@ from scipy import sparse
 
 from viscorod.analyses.derivatives.differentiate import record_static
 from viscorod.analyses.derivatives.mode_shapes import SHAPES, MovingVectors, ShapeRate, ShapeRates
-from viscorod.analyses.derivatives.neighbours import STEP, Neighbour, Neighbours
+from viscorod.analyses.derivatives.neighbours import MANY, STEP, Neighbour, Neighbours
 from viscorod.analyses.derivatives.static_changes import Instant, StaticChange
 from viscorod.analyses.discrete import DiscreteModel
 from viscorod.analyses.start_state import StartState
@@ -50,7 +50,9 @@ OUTSIDE = 1e-9
 UNKNOWN = ("mode_share", "mode_residual", "mode_error")
 """What has no derivatives here."""
 UNCERTAIN = 1e-8
-"""Error of rounding in the derivatives, over the largest of them, from which on a number changes more."""
+"""Error in the derivatives, over the largest of them, from which on a number changes more, or less."""
+ALIKE = 0.5
+"""Logarithm of the ratio of two distances that hardly differ in what they leave."""
 FARTHEST = 32.0
 """By how many times at most."""
 EPSILON = float(np.finfo(float).eps)
@@ -83,14 +85,13 @@ def modes_derivatives(
         result,
     )
     sizes = [pencil.magnitudes(s, right, left) for s, right, left, _ in vectors]
-    found = {}
+    first, found = _first_distance(vectors, sizes), {}
     for key in keys:
-        rates = _Rates(Neighbours.of(model, key, discrete), change, at, vectors, sizes)
-        if rates.rounding > UNCERTAIN and (times := rates.farther) > 1.0:
-            farther = _Rates(
-                Neighbours.of(model, key, discrete, many=times * STEP), change, at, vectors, sizes
-            )
-            rates = min(rates, farther, key=lambda one: one.rounding + one.left)
+        rates = _Rates(Neighbours.of(model, key, discrete, many=first), change, at, vectors, sizes)
+        better = rates.better(first)
+        if rates.rounding + rates.left > UNCERTAIN and abs(np.log(better / first)) > ALIKE:
+            others = _Rates(Neighbours.of(model, key, discrete, many=better), change, at, vectors, sizes)
+            rates = min(rates, others, key=lambda one: one.rounding + one.left)
         neighbours, number = rates.neighbours, len(result.eigenvalues)
         slopes, alone = np.zeros(number, dtype=complex), {}
         for group, changed, slope in zip(groups, rates.changed, rates.of_groups, strict=True):
@@ -162,13 +163,35 @@ class _Rates:
         apart = [abs(one - other) for one, other in zip(self.of_groups, coarse, strict=True)]
         self.left = (max(apart, default=0.0) / size) ** 2
 
-    @property
-    def farther(self) -> float:
-        """By how many times farther neighbours have the least error.
+    def better(self, part: float) -> float:
+        """Return by which part of the number neighbours differ that have the least error; these differ by ``part``."""
+        return float(np.clip(part * _times(self.rounding, self.left), STEP, FARTHEST * STEP))
 
-        Rounding falls with the distance, and what the scheme leaves grows by its fourth power.
-        """
-        return float(min((self.rounding / max(4.0 * self.left, 1e-30)) ** 0.2, FARTHEST))
+
+def _times(rounding: float, left: float) -> float:
+    """Return how many times as far neighbours have the least error.
+
+    Rounding falls with the distance, and what the scheme leaves grows by its fourth power.
+    """
+    return float((rounding / max(4.0 * left, 1e-30)) ** 0.2)
+
+
+def _first_distance(
+    vectors: Sequence[tuple[complex, np.ndarray, np.ndarray, np.ndarray]], sizes: Sequence[np.ndarray]
+) -> float:
+    """Return by which part of a number to begin, as far as rounding asks for if eigenvalues go as its root.
+
+    The relative error of two neighbours is about the square of the part then, and that of four the square of this.
+    """
+    largest = max((abs(s) for s, *_ in vectors), default=0.0)
+    if largest == 0.0:
+        return STEP
+    weight, slope = max(map(abs, MANY[0].weights)) / STEP, 0.5 * largest
+    each = [np.abs(np.linalg.solve(by, terms)).max() for (*_, by), terms in zip(vectors, sizes, strict=True)]
+    rounding = EPSILON * weight * float(max(each)) / slope
+    if rounding <= UNCERTAIN:
+        return STEP
+    return STEP * min(max(_times(rounding, STEP**4), 1.0), FARTHEST)
 
 
 def _change(discrete: DiscreteModel, result: Modes, at: Instant) -> StaticChange | None:

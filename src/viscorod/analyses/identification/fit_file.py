@@ -61,6 +61,11 @@ def load_fit(path: Path) -> FitFile:
         raise InputError(
             Fault("file", str(path), f"it cannot be read ({error})", "give a TOML file")
         ) from None
+    if {"rods", "bodies", "materials"} & set(content) and "records" not in content:
+        needed = f'case = "{path.name}", [parameters] and [[records]]'
+        raise InputError(
+            f"{path} is a case file; what is identified stands in a file of its own, with {needed}"
+        )
     return _Reader(content, path).read()
 
 

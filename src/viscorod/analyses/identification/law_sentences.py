@@ -40,7 +40,7 @@ def law_sentences(
 
     Args:
         names: of the laws, the best first; aicc: Akaike's criterion less the least.
-        errors: of records left out over their noise, zeros where none was.
+        errors: of records left out, in proportion; zeros where none was.
         count: effective number of values.
         lost_outside: part of the lost energy that drag took, by law.
         undamped: laws whose clamp gives way, and whose damping there is not told from none.
@@ -75,7 +75,7 @@ def law_sentences(
     if errors.any():
         first = int(np.argmin(errors))
         listed = ", ".join(
-            f"{name} {errors[k] / errors[first]:.3g}" for k, name in enumerate(names) if k != first
+            f"{name}: {errors[k] / errors[first]:.3g}" for k, name in enumerate(names) if k != first
         )
         more = f" (times its error: {listed})" if listed else ""
         out.append(f"Of what was left out {names[first]} predicts best{more}.")

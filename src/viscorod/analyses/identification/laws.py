@@ -320,7 +320,7 @@ def _square(noise: Noise, found: Fitted) -> float:
 
 
 def _error(predicted: Fitted) -> float:
-    """Return the root mean square error of records left out over the noise of them, or of those that were fitted."""
+    """Return the root mean square error of records left out over their noise, as told, or else over their spread."""
     best = predicted.estimate
     parts = []
     for series in best.noise.series:

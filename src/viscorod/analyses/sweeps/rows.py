@@ -17,7 +17,7 @@ from viscorod.results.sweep_members import Rows
 if TYPE_CHECKING:
     import pandas as pd
 
-__all__ = ["Columns", "Row", "Values", "rows_of"]
+__all__ = ["Columns", "Row", "Values", "key_and_unit", "rows_of"]
 
 Row: TypeAlias = dict[str, Any]
 Columns: TypeAlias = Mapping[str, Sequence[Any]]
@@ -132,12 +132,17 @@ def _in_units(columns: Mapping[str, Sequence[Any]]) -> dict[str, Sequence[Any]]:
     """Return columns by key, with the units of their heads at their values: of "rods.beam.length [mm]", "300 mm"."""
     found: dict[str, Sequence[Any]] = {}
     for head, column in columns.items():
-        named = _UNIT.fullmatch(head)
-        key = named[1] if named else head
+        key, unit = key_and_unit(head)
         if key in found:
             raise InputError(Fault(key, "", "two columns have this key", "leave one of them out"))
-        found[key] = [_measured(value, named[2]) for value in column] if named else column
+        found[key] = [_measured(value, unit) for value in column] if unit else column
     return found
+
+
+def key_and_unit(head: str) -> tuple[str, str]:
+    """Return the key and the unit of "rods.beam.length [mm]"; no unit where there is none."""
+    named = _UNIT.fullmatch(head)
+    return (named[1], named[2]) if named else (head, "")
 
 
 def _measured(value: Any, unit: str) -> Any:
@@ -186,7 +191,7 @@ def _table(path: Path) -> dict[str, Sequence[Any]]:
     if "" in heads:
         why = f"column {heads.index('') + 1} has no head; it may be the index that pandas writes"
         raise InputError(Fault("values", str(path), why, "write it with to_csv(path, index=False)"))
-    keys = [_UNIT.sub(r"\1", head) for head in heads]
+    keys = [key_and_unit(head)[0] for head in heads]
     for key in keys:
         if keys.count(key) > 1:
             why = f"two columns are called {key}"

@@ -19,6 +19,12 @@ class KelvinVoigt(Damping):
 
     tag: ClassVar[str | None] = "kind"
 
+    hints: ClassVar[dict[str, str]] = dict.fromkeys(
+        ("ratio", "damping_ratio", "zeta", "logarithmic_decrement"),
+        "a measured damping ratio of a mode is damping of kind 'modal' (MeasuredDamping), with the keys ratio or "
+        "logarithmic_decrement, and mode",
+    )
+
     kind: Literal["kelvin_voigt"] = Field(default="kelvin_voigt", kw_only=True, repr=False)
     shear_time: OptionalNonNegative = Key(
         "retardation time in shear, viscosity over shear modulus", "s", default=None
@@ -67,4 +73,23 @@ class KelvinVoigt(Damping):
             assumptions = (text,)
         else:
             shear, bulk = self.shear_time or 0.0, self.bulk_time or 0.0
-        return Behaviour(young, nu, shear, bulk, self.bulk_viscosity, assumptions=assumptions)
+        return Behaviour(
+            young,
+            nu,
+            shear,
+            bulk,
+            self.bulk_viscosity,
+            assumptions=assumptions,
+            doubts=self._doubts(nu, shear),
+        )
+
+    def _doubts(self, nu: float, shear: float) -> tuple[str, ...]:
+        """Return that the viscosity against changes of volume is without effect where there are none (LLT 3)."""
+        key = "bulk_time" if self.bulk_viscosity is None else "bulk_viscosity"
+        given = getattr(self, key)
+        if nu != 0.5 or not given or (key == "bulk_time" and given == shear):
+            return ()
+        return (
+            f"damping.{key} = {given:.4g} has no effect: with a Poisson's ratio of 0.5 volume does not change, and the "
+            "shear alone damps; give a Poisson's ratio below 0.5 if it is to matter",
+        )

@@ -34,7 +34,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -150,7 +150,7 @@ def area_moments(mesh: SectionMesh, about: Floats) -> Floats:
     rule = _Rule(mesh, about)
     x, y = rule.x, rule.y
     parts = np.stack([np.ones_like(x), x, y, x**2, y**2, x * y], axis=-1)
-    per_triangle = np.einsum("mq,mqk->mk", rule.weight, parts)
+    per_triangle = (rule.weight[:, None] @ parts)[:, 0]
     regions = int(mesh.region.max()) + 1
     return np.stack([np.bincount(mesh.region, column, regions) for column in per_triangle.T], axis=-1)
 
@@ -173,30 +173,30 @@ class ShearFields:
         e, g = youngs[mesh.region] / self.top, shear[mesh.region] / self.top
         scaled = SectionMesh((mesh.points - about) / self.length, mesh.triangles, mesh.region)
         self.rule = rule = _Rule(scaled, np.zeros(2))
-        x, y, weight = rule.x, rule.y, rule.weight
+        x, y = rule.x, rule.y
+        stretched, sheared = ((modulus[:, None] * rule.weight)[..., None] for modulus in (e, g))
 
         # B q' = (0, N2, -N1): B from the moduli and moments, columns q' for N1 = 1 and N2 = 1
         axial = np.stack([np.ones_like(x), y, -x], axis=-1)
-        bending = np.einsum("m,mq,mqi,mqj->ij", e, weight, axial, axial)
+        bending = axial.reshape(-1, 3).T @ (stretched * axial).reshape(-1, 3)
         self._axial = e, axial, bending
         self._rates = np.linalg.solve(bending, np.array([[0.0, 0.0], [0.0, 1.0], [-1.0, 0.0]]))
         given = self._given(x, y)
         source = np.concatenate([axial @ self._rates, np.zeros((*x.shape, 1))], axis=-1)
-        load = np.einsum("m,mq,mqk,qa->mak", e, weight, source, rule.values)
-        load -= np.einsum("m,mq,mqdk,mqad->mak", g, weight, given, rule.slopes)
+        load = rule.values.T @ (stretched * source) - rule.gradients @ _joined(sheared[..., None] * given)
         self._warping = _solved(rule, g, load)
         self._combined = np.eye(3)
         strains = self._strains(given, np.arange(len(mesh.triangles)), rule.slopes)
         # torque of each field about the origin; the forces' fields are freed of theirs by torsion
-        torque = np.einsum(
-            "m,mq,mqk->k", g, weight, x[..., None] * strains[:, :, 1] - y[..., None] * strains[:, :, 0]
-        )
+        moment = x[..., None] * strains[:, :, 1] - y[..., None] * strains[:, :, 0]
+        torque = (sheared * moment).sum(axis=(0, 1))
         self._combined[2] = [-torque[0] / torque[2], -torque[1] / torque[2], 1.0 / torque[2]]
         self.fields = strains @ self._combined
 
     def shares(self) -> Floats:
         """Return the strains P of every region ``(r, 3, 3)``; see the module."""
-        products = np.einsum("mq,mqdi,mqdj->mij", self.rule.weight, self.fields, self.fields)
+        weighted = _joined(self.rule.weight[..., None, None] * self.fields)
+        products = weighted.swapaxes(1, 2) @ _joined(self.fields)
         shares = np.zeros((self._regions, 3, 3))
         np.add.at(shares, self.mesh.region, products)
         scale = 1.0 / np.array([1.0, 1.0, self.length])
@@ -227,7 +227,8 @@ class ShearFields:
     def _strains(self, given: Floats, triangles: Integers, slopes: Floats) -> Floats:
         """Return the strains (n, q, 2, 3) in triangles (n,), at q points each, with warping."""
         nodes = self.mesh.triangles[triangles]
-        found: Floats = given + np.einsum("nak,nqad->nqdk", self._warping[nodes], slopes)
+        warped = _joined(slopes.swapaxes(2, 3)) @ self._warping[nodes]
+        found: Floats = given + warped.reshape(given.shape)
         return found @ self._combined
 
     def at(self, triangles: Integers, places: Floats) -> Floats:
@@ -255,7 +256,9 @@ def shear_shares(mesh: SectionMesh, about: Floats, youngs: Floats, shear: Floats
 class _Rule:
     """Integration points of six-noded triangles: weights (m, 6), positions, shape functions and their slopes.
 
-    ``edge_slopes (m, 3, 2)`` are the gradients of the area coordinates.
+    ``edge_slopes (m, 3, 2)`` are the gradients of the area coordinates, ``slopes (m, 6, 6, 2)`` those of the shape
+    functions at the points, and ``gradients (m, 6, 12)`` the same with points and directions in one row: products of
+    matrices take a tenth of the time of sums over five indices.
     """
 
     def __init__(self, mesh: SectionMesh, about: Floats) -> None:
@@ -269,7 +272,20 @@ class _Rule:
         slopes = np.stack([-edges[:, :, 1], edges[:, :, 0]], axis=-1) / double[:, None, None]
         self.edge_slopes = slopes
         self.values = _values(POINTS)
-        self.slopes = np.einsum("qac,mcd->mqad", _slopes(POINTS), slopes)
+
+    @cached_property
+    def slopes(self) -> Floats:
+        found = _slopes(POINTS).reshape(-1, 3) @ self.edge_slopes
+        return np.asarray(found.reshape(-1, len(POINTS), 6, 2))
+
+    @cached_property
+    def gradients(self) -> Floats:
+        return _joined(self.slopes.swapaxes(2, 3)).swapaxes(1, 2)
+
+
+def _joined(fields: Floats) -> Floats:
+    """Return fields ``(m, q, d, k)`` with points and directions as one index ``(m, q d, k)``."""
+    return fields.reshape(len(fields), -1, fields.shape[-1])
 
 
 def _solved(rule: _Rule, modulus: Floats, load: Floats) -> Floats:
@@ -277,7 +293,8 @@ def _solved(rule: _Rule, modulus: Floats, load: Floats) -> Floats:
     from scipy.sparse import coo_matrix
     from scipy.sparse.linalg import splu
 
-    stiffness = np.einsum("m,mq,mqad,mqbd->mab", modulus, rule.weight, rule.slopes, rule.slopes)
+    weight = np.repeat(modulus[:, None] * rule.weight, 2, axis=1)[:, None]
+    stiffness = (weight * rule.gradients) @ rule.gradients.swapaxes(1, 2)
     rows, columns = np.repeat(rule.nodes, 6, axis=1).ravel(), np.tile(rule.nodes, (1, 6)).ravel()
     matrix = coo_matrix((stiffness.ravel(), (rows, columns)), shape=(rule.size, rule.size)).tocsc()
     right = np.zeros((rule.size, load.shape[2]))

@@ -9,7 +9,7 @@ import numpy as np
 from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.plots.swinging_shapes import Swing
-from viscorod.pictures.style import BLUE, GREY, SMALL, legend_of_all, titled
+from viscorod.pictures.style import BLUE, GREY, SMALL, panels_close, titled
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -41,11 +41,8 @@ def draw_buckling(
     columns = columns_of(count)
     rows = max(-(-count // columns), 1)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
-    if ax is None:
-        picture = titled(result, width, height)
-        picture.subplots_adjust(top=1.0 - 1.45 / height, hspace=0.5, wspace=0.3)
-    else:
-        picture = within(ax)
+    picture = titled(result, width, height) if ax is None else within(ax)
+    panels: list[tuple[Axes, View]] = []
     if not count:
         (picture if ax is None else ax).text(0.05, 0.5, "no critical load was found", fontsize=SMALL)
         return picture
@@ -68,8 +65,10 @@ def draw_buckling(
         axes.margins(0.08)
         mark_supports(axes, view, result, base)
         axes.title.set_fontsize(SMALL)
+        panels.append((axes, view))
+    if ax is None:
+        labelled = any(view.plane is not None for _, view in panels)
+        panels_close(picture, rows, columns, labelled=labelled)
+    for axes, view in panels:
         view.finish(axes)
-    if ax is not None:
-        return within(ax)
-    legend_of_all(picture, height)
     return picture

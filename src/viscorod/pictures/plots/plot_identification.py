@@ -12,6 +12,7 @@ from viscorod.pictures.style import (
     GREEN,
     GREY,
     INK,
+    MINUS,
     ORANGE,
     RED,
     SMALL,
@@ -20,6 +21,7 @@ from viscorod.pictures.style import (
     heading,
     headline,
 )
+from viscorod.results.text_numbers import per_cent
 from viscorod.typing import Floats
 
 if TYPE_CHECKING:
@@ -155,13 +157,16 @@ def draw_intervals(fit: Identification) -> Figure:
     picture = figure(11.0, 1.1 + 0.36 * len(numbers))
     axes = picture.subplots()
     picture.subplots_adjust(left=0.44, right=0.97, top=0.99, bottom=0.62 / (1.1 + 0.36 * len(numbers)))
-    clean(axes, f"interval of {fit.level:.0%}, in % of the value", "")
+    clean(axes, f"interval of {per_cent(100.0 * fit.level, 4)}, in % of the value", "")
     widest = 0.0
     for row, one in enumerate(numbers):
         colour = BLUE if row < own else ORANGE
         size = abs(one.value) or 1.0
         if one.told:
             low, high = (100.0 * (end - one.value) / size for end in (one.low, one.high))
+            for end, outwards in ((low, -1.0), (high, 1.0)):
+                if outwards * end > WIDEST:
+                    _beyond(axes, outwards * WIDEST, row, end, colour)
             low, high = max(low, -WIDEST), min(high, WIDEST)
             widest = max(widest, -low, high)
             axes.plot([low, high], [row, row], color=colour, linewidth=3.0, solid_capstyle="butt")
@@ -176,6 +181,20 @@ def draw_intervals(fit: Identification) -> Figure:
     axes.set_yticks(range(len(numbers)), [_in_lines(one.name) for one in numbers], fontsize=SMALL)
     axes.grid(visible=False, axis="y")
     return picture
+
+
+def _beyond(axes: Axes, at: float, row: int, end: float, colour: str) -> None:
+    """Draw an arrow where an interval leaves the picture, and write where it ends."""
+    axes.plot([at], [row], marker=">" if at > 0.0 else "<", markersize=7.0, color=colour, clip_on=False)
+    axes.text(
+        at,
+        row - 0.12,
+        per_cent(end, 3).replace("-", MINUS),
+        ha="right" if at > 0.0 else "left",
+        va="bottom",
+        fontsize=SMALL,
+        color=INK,
+    )
 
 
 def draw_correlation(fit: Identification) -> Figure:
@@ -224,16 +243,29 @@ def draw_autocorrelation(fit: Identification) -> Figure | None:
         heading(axes, str(data["series"].values[k]))
         limit = 1.96 / np.sqrt(count)
         axes.axhspan(-limit, limit, color=GREY, alpha=0.2, linewidth=0.0)
-        for values, colour, label in (
-            (fit.residuals[mine], ORANGE, "of what is left"),
-            (data["white"].values[mine], BLUE, "once its own past is taken out"),
-        ):
+        shown = [(fit.residuals[mine], ORANGE, "of what is left")]
+        if data["noise_order"].values[k]:  # without it both are the same
+            shown.append((data["white"].values[mine], BLUE, "once its own past is taken out"))
+        for values, colour, label in shown:
             axes.plot(
                 lags, _autocorrelation(values, lags), color=colour, marker=".", linewidth=0.8, label=label
             )
         axes.axhline(0.0, color=INK, linewidth=0.7)
         axes.set_ylim(-1.05, 1.05)
-    panels[0][0].legend(loc="lower right", bbox_to_anchor=(1.0, 1.0), ncols=2, frameon=False, fontsize=SMALL)
+    named = {
+        label: line
+        for (axes,) in panels
+        for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
+    }
+    panels[0][0].legend(
+        named.values(),
+        named.keys(),
+        loc="lower right",
+        bbox_to_anchor=(1.0, 1.0),
+        ncols=2,
+        frameon=False,
+        fontsize=SMALL,
+    )
     return picture
 
 

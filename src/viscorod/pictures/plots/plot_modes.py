@@ -11,7 +11,7 @@ from viscorod.pictures.picture import chosen_numbers, columns_of, within
 from viscorod.pictures.plots.assemblies import Assembly
 from viscorod.pictures.plots.projection_view import Curves, View, mark_supports
 from viscorod.pictures.plots.swinging_shapes import Swing
-from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, legend_of_all, titled
+from viscorod.pictures.style import BLUE, GREY, SKY, SMALL, panels_close, titled
 from viscorod.results.text_numbers import above_rounding, quantity
 from viscorod.results.text_numbers import number as text_of
 
@@ -50,9 +50,8 @@ def draw_modes(
     columns = columns_of(count)
     rows = max(-(-count // columns), 1)
     width, height = 1.2 + 3.6 * columns, 1.6 + 3.7 * rows
-    if ax is None:
-        picture = titled(result, width, height)
-        picture.subplots_adjust(top=1.0 - 1.5 / height, hspace=0.5, wspace=0.3)
+    picture = titled(result, width, height) if ax is None else within(ax)
+    panels: list[tuple[Axes, View]] = []
     curves, assembly = Curves(result), Assembly(result)
     coiled = curves.coiled(base)
     still = np.asarray(result.data["rotation"].values, dtype=float)[-1]
@@ -81,10 +80,12 @@ def draw_modes(
                 mark_supports(axes, view, result, base + shift)
         axes.margins(0.08)
         axes.title.set_fontsize(SMALL)
+        panels.append((axes, view))
+    if ax is None:
+        labelled = any(view.plane is not None for _, view in panels)
+        panels_close(picture, rows, columns, labelled=labelled)
+    for axes, view in panels:
         view.finish(axes)
-    if ax is not None:
-        return within(ax)
-    legend_of_all(picture, height)
     return picture
 
 

@@ -200,7 +200,7 @@ def _snapshots(picture: Figure, spec: SubplotSpec, run: Run, span: tuple[float, 
         assembly.draw_springs(axes, view.shifted(shift), position, rotation, colours(part(time)))
     for shift in shifts if coiled else shifts[:1]:
         mark_supports(axes, view, run, positions[0] + shift)
-    view.finish(axes, headroom=0.3 if coiled else 0.0)
+    view.finish(axes)
     if times.size > 1:
         clock, second = scaled("s", times)
         shown = Normalize(clock * start, clock * last)

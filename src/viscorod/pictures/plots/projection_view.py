@@ -146,13 +146,8 @@ class View:
             first, second = (f"{AXES[axis]} [{unit}]" for axis, unit in zip(self.plane, units, strict=True))
             clean(axes, first, second)
 
-    def finish(self, axes: Axes, headroom: float = 0.0) -> None:
-        """Add the directions of the axes and a scale to a view in space, once everything is drawn.
-
-        Args:
-            axes: where the view is.
-            headroom: free height above it, as a part of its own.
-        """
+    def finish(self, axes: Axes) -> None:
+        """Add the directions of the axes and a scale to a view in space, once everything is drawn."""
         if self.plane is not None:
             return
         for axis, direction in enumerate(self.projection.T):
@@ -181,8 +176,7 @@ class View:
             va="top",
             fontsize=SMALL,
         )
-        above = bottom + (1.0 + headroom) * axes.dataLim.height
-        axes.update_datalim([(right, bottom - 4.5 * gap), (right, above)])  # room for the text
+        axes.update_datalim([(right, bottom - 4.5 * gap)])  # room for the text
         axes.autoscale_view()
         self._clear_corner(axes)
 

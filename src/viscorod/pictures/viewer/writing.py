@@ -37,7 +37,7 @@ from viscorod.results.stateless_result import StatelessResult
 from viscorod.results.steady_result import Steady
 from viscorod.results.text_numbers import scaled
 from viscorod.typing import Floats
-from viscorod.whole_files import replacing
+from viscorod.whole_files import page_path, replacing
 from viscorod.wording import show
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def view(
 
     Args:
         result: any but a sweep.
-        path: file to write, usually ``.html``; its folder is made.
+        path: file to write, ``.html``; its folder is made.
         frames: states in the page at most, 2 or more; more stored ones are shown at even times, of fewer
             positions in between follow from velocities. Of curves: places along them at most.
         megabytes: size of the file at most; if it would be larger, there are fewer frames.
@@ -86,7 +86,8 @@ def view(
         The path.
 
     Raises:
-        InputError: the result is of another kind, a number is out of range, or the place cannot be written.
+        InputError: the result is of another kind, a number is out of range, the file is no ``.html``, or it
+            cannot be written.
     """
     if not isinstance(result, Run | Equilibrium | Modes | Steady | Buckling | StatelessResult):
         instead = "give what an analysis returns, or viscorod.load of a file"
@@ -95,6 +96,7 @@ def view(
         elif isinstance(result, list | tuple | dict):
             instead = "give one motion, and the others as beside = [...]"
         raise InputError(Fault("result", show(result), "this has no page", instead))
+    path = page_path(path)
     if isinstance(frames, bool) or not isinstance(frames, int) or frames < _FEWEST:
         raise InputError(f"frames = {frames!r}: give a whole number of 2 or more")
     if not megabytes > 1.0:
@@ -118,7 +120,6 @@ def view(
             break
         # what does not depend on the frames is a megabyte or less
         limit = max(_FEWEST, int(0.95 * limit * max(megabytes - 1.0, 0.1) / max(size - 1.0, 0.1)))
-    path = Path(path)
     with replacing(path) as new:
         new.write_text(text, encoding="utf-8")
     return path

@@ -7,7 +7,8 @@ roots in closed form. Every pair is judged by its residual in the whole model, a
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from collections.abc import Callable
+from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
@@ -16,7 +17,7 @@ import scipy.linalg
 from viscorod.solve.modes.linearisation import EPS, unresisted
 from viscorod.solve.modes.maxwell_modes import Pencil
 from viscorod.solve.modes.undamped import Undamped
-from viscorod.solve.statics.work import matrix_form, precise_form
+from viscorod.solve.statics.work import precise_form, precise_works, term_sizes
 from viscorod.typing import Floats
 
 CLASSICAL = 1e-8
@@ -48,25 +49,21 @@ class DampedModes:
     Attributes:
         natural: angular frequencies [rad/s] by which they are ordered: ``|s|`` of those that oscillate, and of the
             others that of their shape without damping.
-        residuals: see :meth:`_Reduction.residuals`.
+        strained: the parts of the vectors that have stiffness; the rest are rigid motions.
+        unbalanced: :meth:`_Reduction.residuals`.
         traced: each is a pair of one undamped mode, or they are all that there are.
     """
 
     roots: np.ndarray
     vectors: np.ndarray
     natural: Floats
-    residuals: Floats
+    strained: np.ndarray
+    unbalanced: Callable[[np.ndarray, np.ndarray, np.ndarray], Floats]
     traced: bool
 
-    def picked(self, which: np.ndarray) -> DampedModes:
-        """Return some of them."""
-        return replace(
-            self,
-            roots=self.roots[which],
-            vectors=self.vectors[:, which],
-            natural=self.natural[which],
-            residuals=self.residuals[which],
-        )
+    def residuals(self, places: np.ndarray) -> Floats:
+        """Return what some of them leave unbalanced: of all it takes longer than to find them."""
+        return self.unbalanced(self.roots[places], self.vectors[:, places], self.strained[:, places])
 
 
 def damped_modes(pencil: Pencil, undamped: Undamped, count: int, near: float | None = None) -> DampedModes:
@@ -81,13 +78,12 @@ def damped_modes(pencil: Pencil, undamped: Undamped, count: int, near: float | N
     for _ in range(ROUNDS):
         found = reduction.solve()
         wanted = _nearest(found, count, near)
-        poor = [k for k in wanted if found.residuals[k] > reduction.good]
-        close = not poor or max(found.residuals[k] for k in poor) < ENOUGH
-        if close or reduction.complete:
+        residuals = found.residuals(wanted)
+        poor = residuals > reduction.good
+        close = not poor.any() or residuals[poor].max() < ENOUGH
+        if close or reduction.complete or not reduction.extend(found, wanted[poor]):
             break
-        if not reduction.extend(found, poor):
-            break
-    return _refined(reduction, found, _nearest(found, count, near))
+    return _refined(reduction, found, wanted, residuals)
 
 
 def _nearest(found: DampedModes, count: int, near: float | None) -> np.ndarray:
@@ -97,12 +93,14 @@ def _nearest(found: DampedModes, count: int, near: float | None) -> np.ndarray:
     return np.argsort(np.abs(found.natural - near), kind="stable")[:count]
 
 
-def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> DampedModes:
-    """Return the same with better roots where residuals are not good."""
+def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray, residuals: Floats) -> DampedModes:
+    """Return the same with better roots of the modes that are sought where their residuals are not good."""
+    if not (residuals > reduction.good).any():
+        return found
     roots, vectors = found.roots.astype(complex), found.vectors.astype(complex)
-    residuals, improved = found.residuals.copy(), False
-    for k in wanted:
-        if not reduction.good < residuals[k]:
+    strained, improved = found.strained.astype(complex), False
+    for k, residual in zip(wanted, residuals, strict=True):
+        if not reduction.good < residual:
             continue
         better = reduction.pencil.refined(complex(roots[k]), vectors[:, k])
         if better is None:
@@ -112,23 +110,29 @@ def _refined(reduction: _Reduction, found: DampedModes, wanted: np.ndarray) -> D
         # not one of the others, unless they were as near before
         if np.any(np.abs(roots[others] - s) < 0.1 * np.abs(roots[others] - roots[k])):
             continue
-        residual = float(reduction.residuals(np.array([s]), x[:, None])[0])
-        if residual < residuals[k]:
-            roots[k], vectors[:, k], residuals[k], improved = s, x, residual, True
-    if not improved:  # they are in order
-        return replace(found, roots=roots, vectors=vectors)
-    return _ordered(reduction, roots, vectors, residuals)
+        if reduction.residuals(np.array([s]), x[:, None], x[:, None])[0] < residual:
+            roots[k], vectors[:, k], strained[:, k], improved = s, x, x, True
+    return _ordered(reduction, roots, vectors, strained) if improved else found
 
 
-def _ordered(reduction: _Reduction, roots: np.ndarray, vectors: np.ndarray, residuals: Floats) -> DampedModes:
-    swinging = reduction.swinging(roots, vectors)
+def _ordered(
+    reduction: _Reduction,
+    roots: np.ndarray,
+    vectors: np.ndarray,
+    strained: np.ndarray,
+    own: Floats | None = None,
+) -> DampedModes:
+    """Return modes in their order; ``own`` are the frequencies of their shapes without damping, if they are known."""
+    swinging = reduction.swinging(roots, vectors, own)
     roots = np.where(swinging, roots, roots.real)
     natural = np.abs(roots)
-    natural[~swinging] = reduction.frequencies(vectors[:, ~swinging])
+    natural[~swinging] = reduction.frequencies(vectors[:, ~swinging]) if own is None else own[~swinging]
     # round-off must not decide the order of equal ones, of which the slower root of an overdamped mode comes first
     order = np.lexsort((np.arange(len(roots)), _ranks(np.abs(roots)), _ranks(natural)))
     traced = reduction.single or reduction.complete
-    return DampedModes(roots[order], vectors[:, order], natural[order], residuals[order], traced)
+    ordered = vectors[:, order]
+    resisting = ordered if strained is vectors else strained[:, order]
+    return DampedModes(roots[order], ordered, natural[order], resisting, reduction.residuals, traced)
 
 
 def _ranks(values: Floats) -> Floats:
@@ -174,7 +178,7 @@ class _Reduction:
         loss = precise_form(self.D, self.pencil.linear.loss, motions)
         inertia = self.M.diagonal()
         fastest = (self.D.diagonal()[inertia > 0.0] / inertia[inertia > 0.0]).max(initial=0.0)
-        noise = EPS * matrix_form(self.D, motions)[1] + (10.0 * EPS) ** 2 * fastest
+        noise = EPS * term_sizes(self.D, motions) + (10.0 * EPS) ** 2 * fastest
         noise = np.sqrt(noise[:, None] * noise)
         parts = np.divide(loss, noise, out=np.zeros_like(loss), where=noise > 0.0)
         values, turn = np.linalg.eigh(0.5 * (parts + parts.T))
@@ -195,7 +199,7 @@ class _Reduction:
         most = max(1, BLOCK // size)
         return [slice(k, k + most) for k in range(0, count, most)]
 
-    def residuals(self, roots: np.ndarray, vectors: np.ndarray, strained: np.ndarray | None = None) -> Floats:
+    def residuals(self, roots: np.ndarray, vectors: np.ndarray, strained: np.ndarray) -> Floats:
         """Return what roots and their vectors leave unbalanced as a part of the largest of the forces that balance.
 
         The part ``strained`` of vectors has stiffness, the rest are rigid motions, whose stiffness is round-off.
@@ -210,10 +214,8 @@ class _Reduction:
             measures.append(self.undamped.accelerations)
         for block in self._blocks(vectors):
             s, x = roots[block], vectors[:, block]
-            left, elastic = self.pencil.applied(s, x), self.K @ x
-            if strained is not None:
-                resisting = self.K @ strained[:, block]
-                left, elastic = left - elastic + resisting, resisting
+            elastic = self.K @ strained[:, block]
+            left = self.pencil.applied(s, x) - self.K @ (x - strained[:, block])
             parts = np.hstack([left, s**2 * (M @ x), s * (self.D @ x) + 0.0 * x, elastic])
             for measure in measures:
                 moved = measure(parts)
@@ -229,16 +231,19 @@ class _Reduction:
         found = np.empty(vectors.shape[1])
         for block in self._blocks(vectors):
             x = vectors[:, block]
-            form = precise_form(self.K, self.pencil.linear.work, np.hstack([x.real, x.imag]))
-            energies = form.diagonal().reshape(2, -1).sum(axis=0)
+            parts = np.hstack([x.real, x.imag]) if x.imag.any() else x.real
+            energies = (
+                precise_works(self.K, self.pencil.linear.work, parts).reshape(-1, x.shape[1]).sum(axis=0)
+            )
             found[block] = np.sqrt(np.abs(energies) / np.einsum("ik,ik->k", x.conj(), self.M @ x).real)
         return found
 
-    def swinging(self, roots: np.ndarray, vectors: np.ndarray) -> np.ndarray:
-        """Return which roots oscillate: those with an imaginary part that is not round-off."""
+    def swinging(self, roots: np.ndarray, vectors: np.ndarray, own: Floats | None = None) -> np.ndarray:
+        """Return which roots oscillate, by an imaginary part that is not round-off; ``own`` as in `_ordered`."""
         found: np.ndarray = np.abs(roots.imag) > REAL * np.abs(roots)
         some = np.flatnonzero(found)
-        found[some] = np.abs(roots[some]) >= SLOW * self.frequencies(vectors[:, some])
+        of_shapes = self.frequencies(vectors[:, some]) if own is None else own[some]
+        found[some] = np.abs(roots[some]) >= SLOW * of_shapes
         return found
 
     def solve(self) -> DampedModes:
@@ -255,21 +260,19 @@ class _Reduction:
         K[np.abs(K) <= noise] = 0.0
         self.single = p == 0 and not self.pencil.branches and not K.any() and _diagonal(D)
         if self.single:
-            roots, vectors = _single_roots(np.diag(D), self.squares, W)
+            roots, each = _single_roots(np.diag(D), self.squares)
+            vectors = W[:, each].astype(complex)
+            return _ordered(self, roots, vectors, vectors, own[each])
+        K[p:] += np.diag(self.squares)
+        if self.pencil.branches:
+            roots, states = self._branch_roots(D, K, own)
+            swings = self.swinging(roots, V @ np.vstack([states[:p] / roots, states[p:]]))
+            roots, states = roots[swings], states[:, swings]
         else:
-            K[p:] += np.diag(self.squares)
-            if self.pencil.branches:
-                roots, states = self._branch_roots(D, K, own)
-                swings = self.swinging(roots, V @ np.vstack([states[:p] / roots, states[p:]]))
-                roots, states = roots[swings], states[:, swings]
-            else:
-                roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
-            displacements = np.vstack([states[:p] / roots, states[p:]])
-            vectors = V @ displacements
-            if p:
-                residuals = self.residuals(roots, vectors, W @ displacements[p:])
-                return _ordered(self, roots, vectors, residuals)
-        return _ordered(self, roots, vectors, self.residuals(roots, vectors))
+            roots, states = _inverse_roots(D, K, own) if D.any() else _undamped_roots(K, own)
+        displacements = np.vstack([states[:p] / roots, states[p:]])
+        vectors = V @ displacements
+        return _ordered(self, roots, vectors, W @ displacements[p:] if p else vectors)
 
     def _branch_roots(self, D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.ndarray]:
         """Return the roots that oscillate with the strains of the springs of all branches as further unknowns.
@@ -291,7 +294,7 @@ class _Reduction:
         swinging = s.imag > REAL * np.abs(s)
         return s[swinging], np.vstack([z[:p], z[n : n + m] / own[:, None]])[:, swinging]
 
-    def extend(self, found: DampedModes, poor: list[int]) -> bool:
+    def extend(self, found: DampedModes, poor: np.ndarray) -> bool:
         """Add the displacements under the forces that some roots leave unbalanced; return False if there are none."""
         left = np.array([self.pencil.applied(found.roots[k], found.vectors[:, k]) for k in poor]).T
         moved = self.undamped.flexibility(left)
@@ -317,16 +320,15 @@ def _diagonal(D: Floats) -> bool:
     return bool(np.all(np.abs(D - np.diag(np.diag(D))) <= CLASSICAL * size[:, None] * size))
 
 
-def _single_roots(damping: Floats, squares: Floats, shapes: Floats) -> tuple[np.ndarray, np.ndarray]:
-    """Return the roots of ``s^2 + d s + w^2`` of every mode, one of a pair, and its shape for each."""
+def _single_roots(damping: Floats, squares: Floats) -> tuple[np.ndarray, np.ndarray]:
+    """Return the roots of ``s^2 + d s + w^2`` of every mode, one of a pair, and the number of the mode of each."""
     half = 0.5 * damping
     inside = half**2 - squares
     swinging = inside < 0.0
     roots = -half[swinging] + 1j * np.sqrt(-inside[swinging])
     fast = half[~swinging] + np.sqrt(inside[~swinging])
     found = np.concatenate([roots, -squares[~swinging] / fast, -fast])
-    each = np.concatenate([np.flatnonzero(swinging), *[np.flatnonzero(~swinging)] * 2])
-    return found, shapes[:, each].astype(complex)
+    return found, np.concatenate([np.flatnonzero(swinging), *[np.flatnonzero(~swinging)] * 2])
 
 
 def _inverse_roots(D: Floats, K: Floats, own: Floats) -> tuple[np.ndarray, np.ndarray]:

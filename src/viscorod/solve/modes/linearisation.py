@@ -20,7 +20,7 @@ from viscorod.solve.constraints.free_block import free_block
 from viscorod.solve.constraints.null_space import null_space
 from viscorod.solve.constraints.rigid_motions import RigidParts, motions_of_parts, surely_held
 from viscorod.solve.constraints.support_state import SupportState
-from viscorod.solve.formulations.system import State
+from viscorod.solve.formulations.system import State, System
 from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.linear.matrix import Matrix
 from viscorod.solve.linear.sparse_lu import SparseLU, solver_within
@@ -117,6 +117,15 @@ def nodal_motions(problem: Problem) -> Linearisation:
     return Linearisation(none, none, mass, sparse.csc_array(sparse.eye_array(size)), None)
 
 
+def rigid_parts(system: System, supports: SupportState, state: State) -> RigidParts | None:
+    """Return the rigid motions of parts that supports and joints allow in a state; None if surely none."""
+    problem = system.problem
+    if surely_held(problem):
+        return None
+    held = [supports.motion_gradients(k, state) for k in range(len(supports.set.nodes))]
+    return motions_of_parts(problem, state.r, state.q, held, system.constraints.measure(state)[2])
+
+
 def linearise(
     solver: StaticSolver, state: State, t: float = 0.0, *, before: bool = True, scale: float = 1.0
 ) -> Linearisation:
@@ -145,11 +154,7 @@ def linearise(
         loss=tangent.loss,
         levers=levers,
     )
-    found, parts = whole, None
-    if not surely_held(problem):
-        held = [supports.motion_gradients(k, state) for k in range(len(supports.set.nodes))]
-        gradients = system.constraints.measure(resting)[2]
-        parts = motions_of_parts(problem, state.r, state.q, held, gradients)
+    found, parts = whole, rigid_parts(system, supports, resting)
     if parts is not None and parts.found:
         # what resists rigid motions of parts: loads, reactions, springs and dampers
         bare, resistance = without_elements(system), Matrix(problem.pattern)

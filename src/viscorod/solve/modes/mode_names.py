@@ -10,7 +10,7 @@ import scipy.linalg
 
 from viscorod.model.sections.stiffness_section import STRAINS
 from viscorod.solve.constraints.parts import many_parts
-from viscorod.solve.constraints.rigid_motions import rigid_share
+from viscorod.solve.constraints.rigid_motions import RigidParts, rigid_share
 from viscorod.solve.formulations.system import State, System
 from viscorod.solve.modes.damped import CLOSE
 from viscorod.solve.modes.linearisation import Linearisation
@@ -30,9 +30,12 @@ class StrainEnergies:
 
     Args:
         system: whose rods and springs they are; state: about which it moves; linear: its small motions.
+        rigid: motions of rigid parts that supports and joints allow there, where ``linear`` does not have them apart.
     """
 
-    def __init__(self, system: System, state: State, linear: Linearisation) -> None:
+    def __init__(
+        self, system: System, state: State, linear: Linearisation, rigid: RigidParts | None = None
+    ) -> None:
         elements = system.elements()
         self._nodes, self._B = elements.nodes, strain_operators(system, state).strain
         self._stiffness = elements.stiffness[elements.section]
@@ -46,7 +49,7 @@ class StrainEnergies:
         gradients = constraints.measure(state)[2].reshape(-1, 2, 6)
         self._springs = np.where(constraints.is_held, 0.0, np.abs(constraints.slopes[0]))
         self._gradients, self._joined = gradients, constraints.arrays.nodes
-        self.linear = linear
+        self.linear, self._rigid = linear, rigid
         problem = system.problem
         self._many = (problem, state.r, state.q) if many_parts(problem) else None
 
@@ -139,12 +142,16 @@ class StrainEnergies:
         linear, k = self.linear, self.linear.parts
         if self._many:
             return rigid_share(*self._many, np.asarray(linear.basis @ shapes))
-        if not k:
-            return np.zeros(shapes.shape[1])
         momenta = np.asarray(linear.mass @ shapes)
-        inertia = linear.mass[:k, :k].toarray()
-        moving = np.linalg.pinv(inertia, rcond=1e-12, hermitian=True) @ momenta[:k]
-        part = np.einsum("km,km->m", momenta[:k].conj(), moving).real
+        if k:
+            inertia, pushed = linear.mass[:k, :k].toarray(), momenta[:k]
+        elif self._rigid is not None and self._rigid.found:
+            motions = self._rigid.increments
+            inertia, pushed = motions.T @ (linear.mass @ motions), motions.T @ momenta
+        else:
+            return np.zeros(shapes.shape[1])
+        moving = np.linalg.pinv(inertia, rcond=1e-12, hermitian=True) @ pushed
+        part = np.einsum("km,km->m", pushed.conj(), moving).real
         return np.asarray(part / np.einsum("km,km->m", shapes.conj(), momenta).real)
 
 

@@ -14,6 +14,7 @@ from typing import NamedTuple
 
 import numpy as np
 import scipy.linalg
+from scipy import sparse
 
 from viscorod.solve.modes.linearisation import DENSE, EPS, Linearisation, beyond_precision
 from viscorod.solve.modes.vibration_problem import VibrationProblem
@@ -21,6 +22,8 @@ from viscorod.solve.once import once
 from viscorod.solve.statics.work import PRECISE
 from viscorod.typing import Floats
 
+SMALL = 200
+"""Motions up to which all is done with full matrices."""
 EXTRA = 4
 """Modes found beside those that are asked for, to end at a gap between frequencies."""
 GAP = 1e-4
@@ -63,7 +66,12 @@ class Undamped:
 
 
 def undamped_modes(
-    linear: Linearisation, count: int, near: float | None = None, *, precise: float = PRECISE
+    linear: Linearisation,
+    count: int,
+    near: float | None = None,
+    *,
+    precise: float = PRECISE,
+    quick: bool = False,
 ) -> Undamped:
     """Return at least ``count`` modes, if there are as many: the slowest, or those nearest to a frequency.
 
@@ -72,12 +80,13 @@ def undamped_modes(
         count: of modes beside rigid motions.
         near: angular frequency [rad/s].
         precise: part of ``w^2`` that rounding may spoil, where all modes are found; beyond, the work of shapes tells.
+        quick: whether sums may be taken in another order, which changes what comes first of equal frequencies.
     """
     dense = linear.gradients is None and linear.mass.shape[0] <= DENSE
     if not dense and count + EXTRA >= linear.motions - linear.rigid - 1:
         linear, dense = linear.unconditional(), True
     if dense:
-        return _of_full_matrices(linear, precise)
+        return _of_full_matrices(linear, precise, quick=quick)
     problem = VibrationProblem(linear)
     problem.require_finite()
     return _of_iteration(linear, problem, count, 0.0 if near is None else near**2)
@@ -94,17 +103,25 @@ class _AllModes(NamedTuple):
 
 @once
 def _all_modes(linear: Linearisation) -> _AllModes:
+    return _modes_of(VibrationProblem(linear), linear)
+
+
+@once
+def _all_modes_quickly(linear: Linearisation) -> _AllModes:
+    return _modes_of(VibrationProblem(linear, full=linear.mass.shape[0] <= SMALL), linear)
+
+
+def _modes_of(problem: VibrationProblem, linear: Linearisation) -> _AllModes:
     """Return all modes by full matrices.
 
     Eigenvalues of the inverse problem are accurate for slow modes, Rayleigh quotients of its vectors for fast ones.
     """
-    problem = VibrationProblem(linear)
     problem.require_finite()
     k, size = problem.k, problem.size
     lift = problem.without_rigid(np.eye(size)[:, k:])
     found = None if k else _inverse_modes(linear)
     if found is None:
-        K = problem.K[k:, k:].toarray()
+        K = sparse.csr_array(problem.K)[k:, k:].toarray()
         M = lift.T @ (problem.M @ lift)
         M = 0.5 * (M + M.T)
         found = _inverse(M, K)
@@ -115,7 +132,7 @@ def _all_modes(linear: Linearisation) -> _AllModes:
         kept = inverse > EPS * size * inverse.max(initial=0.0) * 1e-3
         inverse, shapes = inverse[kept][::-1], shapes[:, kept][:, ::-1]
         squares = 1.0 / inverse
-    shapes = problem.normalised(lift @ shapes)
+    shapes = problem.normalised(lift @ shapes if k else shapes)
     # where the inverse has lost digits, the shape has them: its error counts squared
     energies = np.einsum("ik,ik->k", shapes, problem.K @ shapes)
     sizes = problem.sizes(shapes)
@@ -165,9 +182,9 @@ def _inverse(M: Floats, K: Floats) -> _Inverse | None:
     return inverse, shapes, float((size * (np.abs(K) @ size)).sum(axis=0).max(initial=0.0))
 
 
-def _of_full_matrices(linear: Linearisation, precise: float = PRECISE) -> Undamped:
+def _of_full_matrices(linear: Linearisation, precise: float = PRECISE, *, quick: bool = False) -> Undamped:
     """Return all modes."""
-    problem, raw, raw_shapes, sizes = _all_modes(linear)
+    problem, raw, raw_shapes, sizes = _all_modes_quickly(linear) if quick else _all_modes(linear)
     squares, shapes = problem.refined(raw, raw_shapes, precise, sizes)
     neutral = problem.neutral(squares, shapes, sizes if shapes is raw_shapes else None)
     rigid = np.hstack([problem.rigid, shapes[:, neutral]])

@@ -21,23 +21,31 @@ class VibrationProblem:
 
     Args:
         linear: small motions, which may keep this object: it refers to parts of them only.
+        full: whether to keep full matrices, which take less than calls of SciPy where they are small.
     """
 
-    def __init__(self, linear: Linearisation) -> None:
+    def __init__(self, linear: Linearisation, *, full: bool = False) -> None:
         k = linear.rigid
         self.basis, self.gradients, self.work = linear.basis, linear.gradients, linear.work
         self.levers = linear.levers
         self.motions, self.k = linear.motions, k
-        self.K = sparse.csr_array(0.5 * (linear.stiffness + linear.stiffness.T))
-        self.M = linear.mass
+        self.K: sparse.csr_array | Floats
+        self.M: sparse.csr_array | Floats
+        if full:
+            stiffness, self.M = linear.stiffness.toarray(), linear.mass.toarray()
+            self.K = 0.5 * (stiffness + stiffness.T)
+        else:
+            self.K = sparse.csr_array(0.5 * (linear.stiffness + linear.stiffness.T))
+            self.M = linear.mass
         self.size = self.M.shape[0]
         rigid = np.zeros((self.size, k))
         rigid[:k] = np.eye(k)
         if k:
-            inertia, directions = np.linalg.eigh(self.M[:k, :k].toarray())
+            own = linear.mass[:k, :k].toarray()
+            inertia, directions = np.linalg.eigh(own)
             heavy = inertia > EPS * k * inertia.max()  # what has neither mass nor stiffness does not matter
             if heavy.all():
-                root = scipy.linalg.cholesky(self.M[:k, :k].toarray())
+                root = scipy.linalg.cholesky(own)
                 rigid[:k] = scipy.linalg.solve_triangular(root, np.eye(k))
             else:
                 rigid = np.zeros((self.size, int(heavy.sum())))

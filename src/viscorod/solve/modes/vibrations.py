@@ -177,7 +177,7 @@ def complex_modes(
     chosen = np.sort(chosen[: count - rigid.shape[1]])
     s = np.concatenate([np.zeros(rigid.shape[1], dtype=complex), found.roots[chosen]])
     size = np.abs(s)
-    residuals = np.concatenate([np.zeros(rigid.shape[1]), found.residuals[chosen]])
+    residuals = np.concatenate([np.zeros(rigid.shape[1]), found.residuals(chosen)])
     return ModesFound(
         eigenvalues=s,
         frequencies=size / (2.0 * np.pi),

@@ -1,17 +1,24 @@
 """What stands for the parts of a model where something is found again that was made of the same ones.
 
-Parts are frozen, so that it is enough to compare whether they are the same objects; numbers are compared by their bits.
+Parts that consist of numbers and words are compared by these, numbers by their bits: a model that is written anew has
+them again. Others, such as functions and what was read from a file, are compared as objects, for parts are frozen.
 """
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from typing import Any
 
 import numpy as np
 
+from viscorod.model.fields.definition import Definition
 from viscorod.model.rod import Rod
 
 __all__ = ["Alike", "Same", "computed", "part_token", "shape_token", "token"]
+
+NAME = "_content"
+"""Under which parts keep what stands for them."""
+OURS = f"{__name__.partition('.')[0]}."
 
 
 class Alike:
@@ -52,9 +59,12 @@ class Same:
 
 
 def part_token(part: Any) -> Any:
-    """Return what stands for a part of a model: itself, and what its tables hold now, which its user may change."""
+    """Return what stands for a part of a model, and for what its tables hold now, which its user may change."""
+    own = token(part)
+    if not isinstance(own, Same):
+        return own
     tables = [value for value in getattr(part, "__dict__", {}).values() if isinstance(value, dict)]
-    return Same(part), *((key, token(value)) for table in tables for key, value in table.items())
+    return own, *((key, token(value)) for table in tables for key, value in table.items())
 
 
 def shape_token(rod: Rod) -> tuple[Any, ...]:
@@ -68,11 +78,58 @@ def computed(rod: Rod) -> bool:
 
 
 def token(value: Any) -> Any:
-    """Return what stands for a value: numbers to the last bit, other objects themselves."""
-    if isinstance(value, np.ndarray):
-        return value.shape, value.tobytes()
+    """Return what stands for a value: numbers to the last bit, what consists of them, and other objects themselves."""
+    found = _content(value)
+    return Same(value) if found is None else found
+
+
+def _content(value: Any) -> Any:
+    """Return what stands for a value that consists of numbers and words; None if it holds anything else."""
     if value is None or isinstance(value, bool | int | float | str):
         return repr(value)
+    if isinstance(value, np.ndarray):
+        return None if value.dtype.hasobject else (value.shape, value.dtype.str, value.tobytes())
     if isinstance(value, tuple):
-        return tuple(map(token, value))
-    return Same(value)
+        return _all_of(tuple, value)
+    if isinstance(value, dict):
+        return _all_of(dict, (part for pair in value.items() for part in pair))
+    if isinstance(value, Definition):
+        return _definition(value)
+    return None
+
+
+def _all_of(kind: type, values: Iterable[Any]) -> tuple[Any, ...] | None:
+    """Return what stands for values that belong together; None if one of them is not of numbers and words."""
+    found: list[Any] = [kind]
+    for value in values:
+        content = _content(value)
+        if content is None:
+            return None
+        found.append(content)
+    return tuple(found)
+
+
+def _definition(part: Definition) -> Any:
+    """Return what stands for a part of a model by its fields, and keeps it with a part that never changes."""
+    kind = type(part)
+    known = vars(part).get(NAME)
+    if known is not None:
+        return known
+    fields = kind.model_fields
+    # files may hold something else by now, and classes of the user know more than their fields
+    if part.__pydantic_private__ or "file" in fields or not kind.__module__.startswith(OURS):
+        return None
+    values = [getattr(part, name) for name in fields]
+    found = _all_of(kind, values)
+    if found is not None and all(map(_lasts, values)):
+        vars(part)[NAME] = found
+    return found
+
+
+def _lasts(value: Any) -> bool:
+    """Return whether nobody can change what a value consists of."""
+    if isinstance(value, tuple):
+        return all(map(_lasts, value))
+    if isinstance(value, Definition):
+        return NAME in vars(value)
+    return not isinstance(value, dict | np.ndarray)

@@ -7,6 +7,7 @@ import numpy as np
 from viscorod.mechanics.rotations.rotation import retract
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
+from viscorod.solve.problem.external_loads import NO_LOADS
 from viscorod.solve.refinement.finer_mesh import Carried, FinerMesh, Shape
 from viscorod.solve.statics.drag_flow import drag
 from viscorod.solve.statics.newton import Convergence, Outcome
@@ -15,6 +16,8 @@ from viscorod.typing import Floats
 __all__ = ["Balance", "corrected", "counterpart", "held_back"]
 
 ITERATIONS = 15
+FALLING = 0.1
+"""Part of the increment before that one has to be, where it is told by both what the next one will be at most."""
 DRAGS = (1e-13, 1e-11, 1e-9)
 """Parts of the mean stiffness of nodes, which stretching makes, that hold steps back where others fail."""
 STEP = 1e-3
@@ -49,29 +52,34 @@ class Balance:
         self.finer, self.t, self.before, self.factor = finer, t, before, factor
         self.inertia, self.anchor, self.unit = inertia, anchor, unit
         self.drag = 0.0
+        self._loads = NO_LOADS
+        self._resisting = anchor * np.swapaxes(finer.problem.mass, 1, 2) if anchor else None
 
     @property
     def at_rest(self) -> bool:
         """Whether it is that of statics at a given load factor."""
         return self.inertia is None and self.anchor == 0.0 and self.unit is None
 
-    def assemble(self, state: State, moved: Floats, factor: float, *, tangent: bool) -> Floats:
+    def place(self, factor: float) -> None:
+        """Let loads and supports be those of a load factor, until they are placed again."""
+        finer = self.finer
+        finer.supports.update(self.t, self.before, factor)
+        finer.system.constraints.update(self.t, self.before, factor)
+        self._loads = finer.static.loads.at(self.t, self.before, factor)
+
+    def assemble(self, state: State, moved: Floats, *, tangent: bool) -> Floats:
         """Assemble the finer system in a state that ``moved (n, 6)`` from the coarse one; return the imbalance."""
         finer, size = self.finer, self.finer.problem.size
         system = finer.system
-        finer.supports.update(self.t, self.before, factor)
-        system.constraints.update(self.t, self.before, factor)
-        loads = finer.static.loads.at(self.t, self.before, factor)
-        system.assemble(state, loads, None, tangent=tangent, moving=False)
+        system.assemble(state, self._loads, None, tangent=tangent, moving=False)
         residual = system.residual()
         if self.inertia is not None:
             residual[:size] -= self.inertia
-        if self.anchor:
-            mass = finer.problem.mass
-            residual[:size] += self.anchor * np.einsum("nij,nj->ni", mass, moved)
+        if self._resisting is not None:
+            residual[:size] += (moved[:, None] @ self._resisting)[:, 0]
             if tangent:
                 diagonal = finer.problem.pattern.diagonal[:size]
-                system.matrix.blocks[diagonal] += self.anchor * np.swapaxes(mass, 1, 2)
+                system.matrix.blocks[diagonal] += self._resisting
         if self.drag and tangent:
             diagonal = finer.problem.pattern.diagonal[:size]
             system.matrix.blocks[diagonal] += self.drag * np.swapaxes(drag(finer.static), 1, 2)
@@ -81,7 +89,8 @@ class Balance:
     def pace(self, state: State) -> float:
         """Return the mean stiffness over mass [1/s^2] of the nodes of a state."""
         finer, size = self.finer, self.finer.problem.size
-        self.assemble(state, np.zeros((size, 6)), self.factor, tangent=True)
+        self.place(self.factor)
+        self.assemble(state, np.zeros((size, 6)), tangent=True)
         diagonal = finer.problem.pattern.diagonal[:size]
         stiff = np.abs(np.einsum("nii->ni", finer.system.matrix.blocks[diagonal])[:, :3]).sum()
         return float(stiff / np.einsum("nii->ni", drag(finer.static))[:, :3].sum())
@@ -112,14 +121,17 @@ def corrected(balance: Balance, state: State) -> State | None:
     size, factor = problem.size, balance.factor
     state, moved = state.copy(), np.zeros((problem.size, 6))
     convergence = Convergence(problem.length, finer.static.tolerance, ITERATIONS)
-    weights = np.tile([*[problem.length**-2] * 3, 1.0, 1.0, 1.0], (size, 1)) / size
+    weights = np.array([*[problem.length**-2] * 3, 1.0, 1.0, 1.0]) / size
     normal: Floats | None = None
-    change = 0.0
+    change, moves = 0.0, 0.0  # nothing is small beside no increment
+    balance.place(factor)
     for count in range(1, ITERATIONS + 1):
         varied = None
         if balance.unit is not None:
-            varied = balance.assemble(state, moved, factor + STEP * balance.unit, tangent=False).copy()
-        residual = balance.assemble(state, moved, factor, tangent=True)
+            balance.place(factor + STEP * balance.unit)
+            varied = balance.assemble(state, moved, tangent=False).copy()
+            balance.place(factor)
+        residual = balance.assemble(state, moved, tangent=True)
         if not np.isfinite(residual).all():
             return None
         try:
@@ -135,7 +147,10 @@ def corrected(balance: Balance, state: State) -> State | None:
             gone += (factor - balance.factor) / balance.unit**2
             change = -gone / beside
             increment, factor = increment + change * rate, factor + change
-        verdict, _ = convergence.judge(increment[:size], count)
+        last = moves
+        verdict, moves = convergence.judge(increment[:size], count)
+        if verdict is None and moves <= FALLING * last and moves * (moves / last) <= convergence.tolerance:
+            verdict = Outcome.CONVERGED  # Newton's method will not do worse than in this step
         if verdict not in (None, Outcome.CONVERGED) or not np.isfinite(factor):
             return None
         retract(state.r, state.q, increment, state.r, state.q)
@@ -143,7 +158,9 @@ def corrected(balance: Balance, state: State) -> State | None:
         state.multiplier += system.multiplier_change(increment)
         moved += increment[:size]
         if verdict is Outcome.CONVERGED and abs(change) <= 1e-7 * max(balance.unit or 1.0, abs(factor)):
-            balance.assemble(state, moved, factor, tangent=False)
+            if balance.unit is not None:
+                balance.place(factor)
+            balance.assemble(state, moved, tangent=False)
             return state
     return None
 

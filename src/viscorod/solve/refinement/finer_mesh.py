@@ -11,7 +11,7 @@ from viscorod.model.description.model_description import ModelDescription
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import Snapshot, StationReader
+from viscorod.solve.history import Snapshot, station_reader
 from viscorod.solve.problem.discretise import discretise
 from viscorod.solve.problem.division import Divisions, divisions_of
 from viscorod.solve.problem.problem import Problem
@@ -87,7 +87,7 @@ class FinerMesh:
         self.system.relaxation = None  # what branches hold is given with the state
         self.supports = SupportState(self.problem)
         self.static = StaticSolver(self.system, self.supports)
-        self.reader, self._coarse_reader = StationReader(self.problem), StationReader(coarse)
+        self.reader, self._coarse_reader = station_reader(self.problem), station_reader(coarse)
         self.reference, self.reference_turns = self.stations(self.problem.positions, self.problem.quaternions)
         self.coarse_reference = self.interpolated(coarse.positions, coarse.quaternions)[0]
 

@@ -25,9 +25,9 @@ def finer_start(moving: CoarseMotion, start: Snapshot, anchor: float) -> State |
     """
     finer, shape = moving.finer, Shape.of(start)
     stress = moving.other_stress(start.state, start.section_force, 0.0, before=False)
-    rates = moving.rate(start.state, stress, shape.near, 0.0, before=False)
+    rates = moving.rates([shape], [stress], [0.0], before=False)
     carried = finer.carried([shape])
-    inertia = moving.inertia(start.state.r, start.state.q, rates[None], carried.q)[0]
+    inertia = moving.inertia(start.state.r, start.state.q, rates, carried.q)[0]
     finer.set_prestress(read(finer.halves.points, stress))
     found = counterpart(Balance(finer, 0.0, before=False, inertia=inertia, anchor=anchor), carried)
     return None if found is None else found.state

@@ -18,6 +18,8 @@ __all__ = ["FinerModes", "critical_errors"]
 
 BEYOND = 1.3
 """How far beyond the roots of the modes others are sought."""
+NEAR_ZERO = 1e-3
+"""Part of the largest root below which others are near zero."""
 
 
 class FinerModes:
@@ -38,7 +40,9 @@ class FinerModes:
     def errors(self, samples: list[Sample]) -> Floats:
         """Return the estimated errors of all roots, in parts of them ``(modes,)``, the larger at both ends.
 
-        Roots that oscillate are compared in their order, so that a missing or an invented one shows.
+        Roots that oscillate are compared in their order, so that a missing or an invented one shows. Those near zero
+        may be the rounding of motions that nothing resists, which oscillates or not: the order of the others
+        is taken with them and without.
         """
         worst = np.zeros(len(samples[0].roots))
         for sample in (samples[0], samples[-1]):
@@ -47,15 +51,18 @@ class FinerModes:
             swinging = _frequencies(sample.spectrum.roots)
             finer = self.roots(sample.parameter, largest)
             theirs = _frequencies(finer)
+            near_zero = NEAR_ZERO * largest
+            low = int((theirs <= near_zero).sum() - (swinging <= near_zero).sum())
             for k, s in enumerate(mine):
                 if abs(s.imag) <= SWINGS * abs(s) or not (len(theirs) and len(swinging)):
                     gap = float(np.abs(finer - s).min())
                     worst[k] = max(worst[k], gap / max(abs(s), 1e-9 * largest))
                     continue
-                rank = min(int(np.argmin(np.abs(swinging - abs(s.imag)))), len(theirs) - 1)
+                rank = int(np.argmin(np.abs(swinging - abs(s.imag))))
+                ranks = [min(max(rank + shift, 0), len(theirs) - 1) for shift in (0, low)]
                 # beside a frequency near zero, as of a shaft at its critical speed, others count
-                size = max(abs(s), 1e-3 * largest)
-                worst[k] = max(worst[k], float(abs(theirs[rank] - abs(s.imag))) / size)
+                size = max(abs(s), near_zero)
+                worst[k] = max(worst[k], float(np.abs(theirs[ranks] - abs(s.imag)).min()) / size)
         return worst
 
     def limit_error(self, limit: Limit) -> float:

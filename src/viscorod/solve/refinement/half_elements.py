@@ -1,10 +1,14 @@
-"""Polynomials of elements read in their halves: matrices over all rods of a mesh, made once for all meshes alike."""
+"""Polynomials of elements read in their halves: matrices over all rods of a mesh, made once for all meshes alike.
+
+They are full where they are small: a call of SciPy takes longer than such a product.
+"""
 
 from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -13,6 +17,12 @@ from viscorod.mechanics.elements.basis import gauss, lagrange, lobatto
 from viscorod.typing import Floats, Integers
 
 __all__ = ["HalfElements", "Halves", "half_elements", "halves", "read"]
+
+FULL = 10_000
+"""Entries up to which a matrix is full."""
+
+Reading: TypeAlias = Floats | sparse.csr_array
+"""What makes a field at other places from one at some."""
 
 
 @dataclass(frozen=True)
@@ -65,7 +75,7 @@ def _through(points: Floats, at: Floats) -> Floats:
 
 @dataclass(frozen=True)
 class HalfElements:
-    """The same for all elements of a mesh, rod by rod, as sparse matrices.
+    """The same for all elements of a mesh, rod by rod, as matrices.
 
     Attributes:
         stations: from the stations of the rods to those of the finer mesh; points: likewise of Gauss points.
@@ -78,12 +88,12 @@ class HalfElements:
         elements: the first element of every rod, and how many there are in all ``(rods + 1,)``.
     """
 
-    stations: sparse.csr_array
-    points: sparse.csr_array
-    whole: sparse.csr_array
-    divided: sparse.csr_array
+    stations: Reading
+    points: Reading
+    whole: Reading
+    divided: Reading
     places: Integers
-    inside: sparse.csr_array
+    inside: Reading
     inner: Integers
     ends: Integers
     rod_stations: Integers
@@ -132,9 +142,7 @@ ONE: Sequence[Floats] = ()
 """Blocks that are all the number one."""
 
 
-def _placed(
-    parts: Sequence[tuple[Integers, Integers, Sequence[Floats]]], shape: tuple[int, int]
-) -> sparse.csr_array:
+def _placed(parts: Sequence[tuple[Integers, Integers, Sequence[Floats]]], shape: tuple[int, int]) -> Reading:
     """Return a matrix with dense blocks at their first rows and columns; rows are complete in one block."""
     rows, columns, values = [], [], []
     for first, across, given in parts:
@@ -145,11 +153,14 @@ def _placed(
             columns.append((column + at[1]).ravel())
             values.append(block.ravel())
     where = np.concatenate(rows), np.concatenate(columns)
-    return sparse.csr_array((np.concatenate(values), where), shape=shape)
+    found = sparse.csr_array((np.concatenate(values), where), shape=shape)
+    return found.toarray() if shape[0] * shape[1] <= FULL else found
 
 
-def read(matrix: sparse.csr_array, field: Floats) -> Floats:
+def read(matrix: Reading, field: Floats) -> Floats:
     """Return what a matrix makes of fields ``(..., n, c)`` along their places, ``(..., k, c)``."""
+    if isinstance(matrix, np.ndarray):
+        return np.asarray(matrix @ field)
     *several, n, c = field.shape
     columns = np.moveaxis(field.reshape(-1, n, c), 1, 0).reshape(n, -1)
     found = np.asarray(matrix @ columns).reshape(matrix.shape[0], -1, c)

@@ -2,16 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from viscorod.mechanics.rotations.quaternion import matrices
 from viscorod.solve.constraints.support_state import SupportState
 from viscorod.solve.formulations.geometric_system import GeometricSystem
 from viscorod.solve.formulations.system import State
-from viscorod.solve.history import StationReader
+from viscorod.solve.history import station_reader
 from viscorod.solve.problem.external_loads import NO_LOADS, ExternalLoads
 from viscorod.solve.problem.imposed_strains import Imposed
-from viscorod.solve.refinement.finer_mesh import FinerMesh
+from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.half_elements import read
 from viscorod.typing import Floats
 
@@ -31,9 +33,11 @@ class CoarseMotion:
         self.system.relaxation = None
         self.supports = SupportState(self.problem)
         self.loads = ExternalLoads(self.problem)
-        self._reader = StationReader(self.problem)
+        self._reader = station_reader(self.problem)
         # supported nodes follow apart: the mass of a point mass whose rotations are held has no inverse
-        self._loose = np.setdiff1d(np.arange(self.problem.size), self.supports.set.nodes)
+        loose = np.ones(self.problem.size, dtype=bool)
+        loose[self.supports.set.nodes] = False
+        self._loose = np.flatnonzero(loose)
 
     def other_stress(self, state: State, section_force: Floats, t: float, *, before: bool) -> Floats:
         """Return the section forces that the strains of the poses do not explain ``(m, 6)``.
@@ -48,28 +52,31 @@ class CoarseMotion:
         held = np.einsum("mii->mi", self.system.gauss_positions().stiffness) == 0.0
         return np.where(held, 0.0, section_force - self.system.gauss_points().section_force)
 
-    def rate(self, state: State, stress: Floats, near: Floats, t: float, *, before: bool) -> Floats:
-        """Return the rates of the twists of the coarse nodes ``(n, 6)``, with what turning axes make of velocities.
+    def rates(
+        self, shapes: Sequence[Shape], stresses: Sequence[Floats], times: Sequence[float], *, before: bool
+    ) -> Floats:
+        """Return the rates of the twists of the coarse nodes ``(k, n, 6)``, with what turning axes make of velocities.
 
         Args:
-            state: of the coarse mesh; stress: section forces beside the elastic ones ``(m, 6)``; near: angles of
-                joints; t: time [s] of loads and supports; before: whether from the left.
+            shapes: some states of the coarse mesh; stresses: section forces beside the elastic ones ``(m, 6)``, and
+                times [s] of loads and supports, of each; before: whether from the left.
         """
         problem, system, loose = self.problem, self.system, self._loose
-        self.supports.update(t, before)
-        if len(near):
-            system.constraints.near[:] = near
-        system.constraints.update(t, before)
-        system.prestress = self.finer.arranged(stress, system)
-        system.assemble(state, self.loads.at(t, before), None, tangent=False, moving=False)
-        force = system.external - system.internal
-        rate = np.zeros_like(force)
-        rate[loose] = np.linalg.solve(problem.mass[loose], force[loose, :, None])[:, :, 0]
-        self._obey_supports(state, force, rate)
-        return rate
+        forces, found = np.zeros((2, len(shapes), problem.size, 6))
+        for k, (shape, stress, t) in enumerate(zip(shapes, stresses, times, strict=True)):
+            self.supports.update(t, before)
+            if len(shape.near):
+                system.constraints.near[:] = shape.near
+            system.constraints.update(t, before)
+            system.prestress = self.finer.arranged(stress, system)
+            system.assemble(shape.state, self.loads.at(t, before), None, tangent=False, moving=False)
+            np.subtract(system.external, system.internal, out=forces[k])
+            self._obey_supports(shape.state, forces[k], found[k])
+        found[:, loose] = np.linalg.solve(problem.mass[loose], forces[:, loose, :, None])[..., 0]
+        return found
 
     def _obey_supports(self, state: State, force: Floats, rate: Floats) -> None:
-        """Replace rates of twists that supports prescribe, whose reactions are not among the forces."""
+        """Set rates of twists that supports prescribe, whose reactions are not among the forces."""
         supports, mass = self.supports, self.problem.mass
         nodes = supports.set.nodes
         if len(supports.complete):

@@ -187,13 +187,13 @@ class MeshWatch:
         self._take_in(finer.carried(shapes), seen, [(t, True) for t, _ in noted])
         begun = finely.state(first, 0.0, before=False)
         kick = drift.kicked(start.twist, begun.acceleration.reshape(shape))
-        self._drift(drift, [t for t, _ in noted], rates, kick)
+        self._drift(drift, [t for t, _ in noted], np.array(rates), kick)
 
-    def _drift(self, drift: PhaseDrift, times: list[float], rates: list[Floats], kick: Floats) -> None:
+    def _drift(self, drift: PhaseDrift, times: list[float], rates: Floats, kick: Floats) -> None:
         """Add what wrong frequencies make of the motion in time."""
         if self.estimate is not None:
-            gaps = drift.gaps(times, rates, kick), drift.gaps(times, rates)
-            self.estimate = self.estimate.drifted(*gaps, self._lengths)
+            gaps, seen = drift.gaps(times, rates, (kick, 0.0))
+            self.estimate = self.estimate.drifted(gaps, seen, self._lengths)
 
     def _still(self, start: Snapshot, noted: list[tuple[float, Snapshot]]) -> bool:
         """Return whether a motion that begins at rest, in a strained shape, hardly leaves it.
@@ -210,7 +210,7 @@ class MeshWatch:
     def _begins(self, start: Snapshot) -> Floats:
         """Return the rates of the twists of all nodes when a motion begins, after a jump of its loads ``(n, 6)``."""
         stress = self._moving.other_stress(start.state, start.section_force, 0.0, before=False)
-        return self._moving.rate(start.state, stress, Shape.of(start).near, 0.0, before=False)
+        return np.asarray(self._moving.rates([Shape.of(start)], [stress], [0.0], before=False)[0])
 
     def finer_start(self, start: Snapshot, anchor: float) -> State | None:
         """Return where a motion from a state begins on the finer mesh; see :func:`finer_motion.finer_start`."""
@@ -223,24 +223,21 @@ class MeshWatch:
 
     def _compare_moving(
         self, noted: list[tuple[float, Snapshot]], *, before: bool, anchor: float, still: bool = False
-    ) -> list[Floats]:
+    ) -> Floats:
         """Compare states whose inertial forces are those that the coarse mesh leaves unbalanced, at their times [s].
 
         Inertia holds errors of those that are ``still`` only where nothing else does, as a body that turns freely.
 
         Returns:
-            the rates of the twists of all nodes ``(n, 6)``, of every state.
+            the rates of the twists of all nodes, of every state ``(k, n, 6)``.
         """
         moving, finer = self._moving, self.finer
         shapes = [Shape.of(snapshot) for _, snapshot in noted]
         stresses = [moving.other_stress(s.state, s.section_force, t, before=before) for t, s in noted]
-        rates = [
-            moving.rate(shape.state, stress, shape.near, t, before=before)
-            for shape, stress, (t, _) in zip(shapes, stresses, noted, strict=True)
-        ]
+        rates = moving.rates(shapes, stresses, [t for t, _ in noted], before=before)
         carried = finer.carried(shapes)
         r, q = (np.array([getattr(shape.state, name) for shape in shapes]) for name in "rq")
-        inertia = moving.inertia(r, q, np.array(rates), carried.q)
+        inertia = moving.inertia(r, q, rates, carried.q)
         prestress = read(finer.halves.points, np.array(stresses))
         found = []
         for k, (t, snapshot) in enumerate(noted):
@@ -260,7 +257,7 @@ class MeshWatch:
 
     def _resisting(self, rate: Floats, twist: Floats, least: float) -> float:
         """Return stiffness over mass [1/s^2] by which inertia resists errors of a motion like this."""
-        a, v = (float(np.einsum("ni,nij,nj", x, self.problem.mass, x)) for x in (rate, twist))
+        a, v = (float(np.vdot(x, self.problem.mass @ x[:, :, None])) for x in (rate, twist))
         # a / v is the squared rate of a vibration with these accelerations and velocities
         return max(least, ANCHOR * a / v) if v > 0.0 else least
 

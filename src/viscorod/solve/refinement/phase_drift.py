@@ -5,11 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
 from viscorod.solve.formulations.system import State
-from viscorod.solve.linear.block_diagonal import block_diagonal
 from viscorod.solve.refinement.correction import Balance, corrected
 from viscorod.solve.refinement.finer_mesh import FinerMesh, Shape
 from viscorod.solve.refinement.inertial_forces import CoarseMotion
@@ -40,6 +40,7 @@ class AtRest:
         shape: the state on the coarse mesh; scale: multiple of the loads at t = 0 that act there.
         count: vibrations that were sought.
         state, modes: on the finer mesh; None if there is no such state.
+        turns: unit quaternions of the finer stations where the coarse mesh has them ``(1, stations, 4)``.
     """
 
     shape: Shape
@@ -47,18 +48,19 @@ class AtRest:
     count: int
     state: State | None
     modes: StartModes | None
+    turns: Floats | None = None
 
     @classmethod
     def of(cls, finer: FinerMesh, shape: Shape, scale: float, count: int) -> AtRest:
         """Find the state and its vibrations."""
         own = replace(shape, state=shape.state.copy())
-        state = None
-        if count:
-            finer.system.prestress = np.zeros((0, 1, 6))
-            state = corrected(Balance(finer, factor=scale), finer.take_over(finer.carried([shape])))
-        if state is None:
+        if not count:
             return cls(own, scale, count, None, None)
-        return cls(own, scale, count, state, StartModes.about(finer.static, state, scale, count))
+        finer.system.prestress = np.zeros((0, 1, 6))
+        carried = finer.carried([shape])
+        state = corrected(Balance(finer, factor=scale), finer.take_over(carried))
+        modes = None if state is None else StartModes.about(finer.static, state, scale, count)
+        return cls(own, scale, count, state, modes, carried.q)
 
     def is_of(self, shape: Shape, scale: float, count: int) -> bool:
         """Return whether it is that of exactly this state."""
@@ -113,7 +115,8 @@ class PhaseDrift:
         if better is None or not len(better.omega):
             return np.zeros(len(modes.omega))
         shapes = modes.shapes.T.reshape(len(modes.omega), -1, 6)
-        momenta = self._motion.inertia(self.state.r, self.state.q, shapes).reshape(len(modes.omega), -1)
+        momenta = self._motion.inertia(self.state.r, self.state.q, shapes, self.finer.turns)
+        momenta = momenta.reshape(len(modes.omega), -1)
         alike = np.square(momenta @ better.shapes)
         best = better.omega[alike.argmax(axis=1)]
         alike[np.abs(better.omega / best[:, None] - 1.0) > TWINS] = 0.0
@@ -122,8 +125,8 @@ class PhaseDrift:
         return np.asarray(np.where(whole > ALIKE, apart, np.maximum(apart, UNLIKE)))
 
     def gaps(
-        self, times: Sequence[float], rates: Sequence[Floats], kick: Floats | float = 0.0
-    ) -> dict[str, float]:
+        self, times: Sequence[float], rates: Floats, kicks: Sequence[Floats | float] = (0.0,)
+    ) -> list[dict[str, float]]:
         """Return how far each rod has drifted from where it is on the finer mesh at most [m].
 
         The amplitude of a vibration is that of its acceleration over the square of its frequency: a fast one that only
@@ -131,26 +134,32 @@ class PhaseDrift:
         set off at the start lasts until it has faded, though steps that are large for it may hide it.
 
         Args:
-            times: of some states of the motion [s]; rates: of the twists of all nodes there ``(n, 6)``.
-            kick: amplitudes of the vibrations that the start sets off ``(k,)``; see :meth:`kicked`.
+            times: of some states of the motion [s]; rates: of the twists of all nodes there ``(times, n, 6)``.
+            kicks: amplitudes of the vibrations that the start sets off ``(k,)``, see :meth:`kicked`; each is another
+                question.
+
+        Returns:
+            the gaps of all rods, for each of ``kicks``.
         """
-        omega, shapes = self.modes.omega, self.modes.shapes
+        omega, decay, shapes = self.modes.omega, self.modes.decay, self.modes.shapes
         names, stations = self.problem.rods, self.problem.stations
         if not len(omega):
-            return dict.fromkeys(names, 0.0)
+            return [dict.fromkeys(names, 0.0)] * len(kicks)
         lengths = np.linalg.norm(shapes.reshape(self.problem.size, 6, -1)[:, :3], axis=1)
-        nodes = [stations.nodes[stations.rod == k] for k in range(len(names))]
-        reach = np.array([lengths[mine].max(axis=0) for mine in nodes])
-        largest, amplitude = np.zeros(len(names)), np.zeros(len(omega))
-        for t, rate in zip(times, rates, strict=True):
+        reach = np.maximum.reduceat(lengths[stations.nodes], self._motion.finer.halves.rod_stations, axis=0)
+        t = np.array(times)[:, None]
+        amplitudes = np.abs(rates.reshape(len(rates), -1) @ self._momenta.T) / omega**2
+        for before, amplitude in pairwise(amplitudes):
             # where acceleration passes zero, the amplitude of neighbours in time counts
-            amplitude = np.maximum(0.5 * amplitude, np.abs(self._momenta @ rate.ravel()) / omega**2)
-            # what has faded has left no phase, and overdamped vibrations creep alike, whatever their frequency
-            lasted = t / np.maximum(self.modes.decay * t, 1.0) / np.maximum(self.modes.decay / omega, 1.0)
-            ahead = np.minimum(self.errors * omega * lasted, 2.0)
-            both = np.maximum(amplitude, kick)
-            largest = np.maximum(largest, np.linalg.norm(both * reach * ahead, axis=1))
-        return dict(zip(names, largest.tolist(), strict=True))
+            np.maximum(0.5 * before, amplitude, out=amplitude)
+        # what has faded has left no phase, and overdamped vibrations creep alike, whatever their frequency
+        lasted = t / np.maximum(decay * t, 1.0) / np.maximum(decay / omega, 1.0)
+        ahead = reach * np.minimum(self.errors * omega * lasted, 2.0)[:, None]
+        found = []
+        for kick in kicks:
+            gaps = np.linalg.norm(np.maximum(amplitudes, kick)[:, None] * ahead, axis=2).max(axis=0)
+            found.append(dict(zip(names, gaps.tolist(), strict=True)))
+        return found
 
     def kicked(self, twist: Floats, rate: Floats) -> Floats:
         """Return the amplitudes of the vibrations ``(k,)`` that nodes with these twists and rates ``(n, 6)`` begin."""
@@ -159,4 +168,5 @@ class PhaseDrift:
 
     @cached_property
     def _momenta(self) -> Floats:
-        return np.asarray(self.modes.shapes.T @ block_diagonal(self.problem.mass))
+        shapes, mass = self.modes.shapes.reshape(self.problem.size, 6, -1), self.problem.mass
+        return np.asarray((np.swapaxes(mass, 1, 2) @ shapes).reshape(len(self.modes.shapes), -1).T)

@@ -53,7 +53,7 @@ class StartModes:
         rows = linear.basis.shape[0]
         linear = vibrating(linear, relaxing)
         try:
-            found = undamped_modes(linear, count, precise=PRECISE)
+            found = undamped_modes(linear, count, precise=PRECISE, quick=True)
         except SolveError:
             return cls(np.zeros(0), np.zeros((rows, 0)), np.zeros(0), np.zeros((rows, 0)))
         swinging = found.squares > 0.0

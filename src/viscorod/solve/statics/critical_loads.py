@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from viscorod.solve.formulations.system import State
 from viscorod.solve.linear.singular import SingularMatrixError
 from viscorod.solve.statics.linear_buckling import critical_factors
@@ -23,6 +25,11 @@ LEGS = 6
 FOLLOWED = (Outcome.COMPLETED, Outcome.POINTS)
 POINTS = 1000
 """Points of a path at most."""
+GIVEN_WAY = 0.2
+"""Slope of the load over displacements, as a part of the first one, below which a model that stiffens again has given
+way without losing its stiffness: it buckles as what is not quite straight does (Koiter)."""
+STIFFER = 1.2
+"""Times by which the slope grows again after that."""
 
 
 @dataclass(frozen=True)
@@ -53,12 +60,16 @@ class CriticalSearch:
         reached: load factor to which the equilibria were followed.
         by_motion: whether loads without a potential made the stiffness unsymmetric on the way.
         flutter: load factors at which growing oscillations begin or end there.
+        rounded: load factor before the first critical point near which the model gives way but keeps its stiffness,
+            as it does where an imperfection rounds a bifurcation off; None if it does not.
     """
 
     def __init__(self, path: PathFollower, state: State, about: float) -> None:
         self._path, self._state, self.about = path, state, about
         self.reached, self._end = about, state
         self.by_motion, self.flutter = False, list[float]()
+        self.rounded: float | None = None
+        self._slopes, self._passed_one = list[tuple[float, float]](), False
 
     def linear(self, count: int) -> tuple[Floats, Floats]:
         """Return the critical factors ``(k,)`` of the linear problem, and body increments ``(6 n, k)``."""
@@ -124,6 +135,11 @@ class CriticalSearch:
         )
         self.flutter += [float(points[number].factor) for number in course.flutter]
         numbers = sorted({*course.limit_points, *course.bifurcations})
+        if not self._passed_one:
+            before = points[: numbers[0]] if numbers else points
+            self._slopes += [(point.factor, self._path.slope(point.forward)) for point in before]
+            self.rounded = _given_way(self._slopes)
+            self._passed_one = bool(numbers)
         return course, [self._point(points[number], number, course) for number in numbers]
 
     def _point(self, point: PathPoint, number: int, course: Path) -> CriticalPoint:
@@ -132,3 +148,16 @@ class CriticalSearch:
         path = self._path
         tangent = path.static.tangent(point.state, path.t, before=path.before, scale=point.factor)
         return CriticalPoint(point.factor, point.state, softest(tangent, branches + int(limit)), limit)
+
+
+def _given_way(course: list[tuple[float, float]]) -> float | None:
+    """Return the load factor of the first marked minimum of the slope of a course of load factors and slopes."""
+    moved = [point for point in course if np.isfinite(point[1])]
+    least = first = abs(moved[0][1]) if moved else 0.0
+    found = None
+    for factor, slope in moved:
+        if slope < least:
+            least, found = slope, factor
+        elif least < GIVEN_WAY * first and slope > STIFFER * least:
+            return found
+    return None

@@ -270,13 +270,14 @@ class PathFollower(ArcLength):
 
     def _bent(self, at: PathPoint, reached: PathPoint) -> float:
         """Return the change of the slope of loads over displacements, as a part of the largest slope so far."""
-        first, last = (self._slope(point.forward) for point in (at, reached))
+        first, last = (self.slope(point.forward) for point in (at, reached))
         self._steepest = max(self._steepest, abs(first))
         return (
             abs(last - first) / self._steepest if np.isfinite(last + first) and self._steepest > 0.0 else 0.0
         )
 
-    def _slope(self, forward: Direction) -> float:
+    def slope(self, forward: Direction) -> float:
+        """Return the change of the load factor per distance moved in a direction of a path; infinite if none."""
         moved = np.sqrt(self.shape(forward.increment))
         return float(forward.factor / moved) if moved > 1e-12 * abs(forward.factor) / self.unit else np.inf
 

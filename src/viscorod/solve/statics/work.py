@@ -10,7 +10,7 @@ from scipy import sparse
 
 from viscorod.typing import Floats
 
-__all__ = ["Work", "matrix_form", "precise_form"]
+__all__ = ["Work", "matrix_form", "precise_form", "precise_works", "term_sizes"]
 
 EPS = float(np.finfo(float).eps)
 PRECISE = 1e-9
@@ -43,20 +43,38 @@ class Work:
         return Work(lambda motions: self.form(np.asarray(basis @ motions)))
 
 
+def term_sizes(matrix: sparse.csr_array, motions: Floats) -> Floats:
+    """Return the sums of the sizes of the terms of ``v.K v`` of motions ``(k,)``, as :attr:`Work.form` does."""
+    size = np.abs(motions)
+    return np.asarray(np.einsum("ik,ik->k", size, abs(matrix) @ size))
+
+
 def matrix_form(matrix: sparse.csr_array, motions: Floats) -> tuple[Floats, Floats]:
     """Return ``v.K v`` of motions as :attr:`Work.form` does, by a matrix ``K``."""
     work = np.asarray(motions.T @ (matrix @ motions))
-    size = np.einsum("ik,ik->k", np.abs(motions), np.asarray(abs(matrix) @ np.abs(motions)))
-    return 0.5 * (work + work.T), size
+    return 0.5 * (work + work.T), term_sizes(matrix, motions)
 
 
 def precise_form(matrix: sparse.csr_array, work: Work | None, motions: Floats) -> Floats:
     """Return ``v.K v`` of motions ``(k, k)`` by a matrix, and by their ``work`` where its rounding spoils some."""
     form = np.asarray(motions.T @ (matrix @ motions))
-    if work is None:
-        return form
-    _, size = matrix_form(matrix, motions)
-    poor = EPS * size > PRECISE * np.abs(form.diagonal())
-    if poor.any():
+    poor = _poor(matrix, work, motions, form.diagonal())
+    if work is not None and poor.any():
         form[np.ix_(poor, poor)] = work.form(motions[:, poor])[0]
     return form
+
+
+def precise_works(matrix: sparse.csr_array, work: Work | None, motions: Floats) -> Floats:
+    """Return the diagonal of :func:`precise_form` alone ``(k,)``, which takes a product for each motion."""
+    form = np.asarray(np.einsum("ik,ik->k", motions, matrix @ motions))
+    poor = _poor(matrix, work, motions, form)
+    if work is not None and poor.any():
+        form[poor] = work.form(motions[:, poor])[0].diagonal()
+    return form
+
+
+def _poor(matrix: sparse.csr_array, work: Work | None, motions: Floats, works: Floats) -> np.ndarray:
+    """Return which works ``v.K v`` of motions rounding spoils; none where nothing else tells them."""
+    if work is None:
+        return np.zeros(len(works), dtype=bool)
+    return EPS * term_sizes(matrix, motions) > PRECISE * np.abs(works)

@@ -41,13 +41,15 @@ REACH = 1.3
 """How far beyond the largest root of a mode others are sought."""
 STILL = 1e-6
 """Part of the median of the slowest roots below which one is that of a motion at rest."""
+NOISE = 1e2 * float(np.sqrt(np.finfo(float).eps))
+"""Part of the shift from which roots are sought below which one may be the rounding of zero."""
 PARTNER = 1e-6
 """Distance of two roots from being mirror images, as a part of them."""
 SWINGS = 0.04
 """Imaginary part, as a part of a root, from which on a mode is followed: damping ratios below 0.999."""
 CROWD = 0.5
 """Part of the rate at which overdamped motions crowd, below which one is a mode of its own."""
-SHIFTS, FIRST = 30, 4
+SHIFTS, FIRST, MOST_FIRST = 30, 4, 64
 """Shifts that are tried at most, and roots by which one is judged."""
 SHIFT = 0.37
 """Real shift about which roots are sought, as a part of the slowest one."""
@@ -169,7 +171,7 @@ class Tracker:
         found = self.spectrum(parameter, 0.0)
         while True:
             s = found.roots
-            still = np.abs(s) <= STILL * float(np.median(np.abs(s)))
+            still = np.abs(s) <= _still(np.abs(s), self._shift)
             chosen = np.flatnonzero(~still & self._worth(s, parameter))[: self.count]
             if len(chosen) >= self.count or len(s) >= 4 * self.count + 40:
                 break
@@ -287,11 +289,14 @@ def _first_shift(pencil: MovingPencil) -> float:
         SolveError: nothing moves.
     """
     M, K = pencil.quadratic.M.diagonal(), np.abs(pencil.quadratic.K.diagonal())
-    shift = 1e-4 * float(np.sqrt(K.sum() / M.sum()))
+    shift, count = 1e-4 * float(np.sqrt(K.sum() / M.sum())), min(FIRST, pencil.size // 2)
     for _ in range(SHIFTS):
-        found = np.abs(pencil.slowest(min(FIRST, pencil.size // 2), 0.0, shift).roots)
-        moving = found[found > STILL * np.median(found)] if len(found) else found
+        found = np.abs(pencil.slowest(count, 0.0, shift).roots)
+        moving = found[found > _still(found, shift)] if len(found) else found
         if not len(moving):
+            if 2 * count <= min(MOST_FIRST, pencil.size // 2):
+                count *= 2
+                continue
             raise SolveError("The model has no small motions that could be followed")
         slowest = float(moving.min())
         near = 0.05 * slowest < shift < 0.7 * slowest
@@ -299,6 +304,14 @@ def _first_shift(pencil: MovingPencil) -> float:
         if near:
             break
     return shift
+
+
+def _still(sizes: Floats, shift: float) -> float:
+    """Return the size [1/s] up to which roots are those of motions at rest, of all that were found from a shift.
+
+    A double root at zero, as what nothing resists has, is found with the root of the precision of the shift.
+    """
+    return max(STILL * float(np.median(sizes)), NOISE * shift)
 
 
 def alike(

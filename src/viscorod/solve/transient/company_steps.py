@@ -118,7 +118,7 @@ class CompanySteps:
                 one.have_jacobian(one.have and not one.linked)
             else:
                 company.expect(one.integrator, one.guided.lack)
-                one.have_jacobian(one.seen == leader.renewed)
+                one.have_jacobian(company.shares or one.seen == leader.renewed)
             if not one.take(end, records):
                 return place
             one.seen = leader.renewed

@@ -21,12 +21,16 @@ from viscorod.solve.problem.problem import Problem
 from viscorod.solve.refinement.carried_modes import CarriedModes
 from viscorod.solve.refinement.start_modes import StartModes
 from viscorod.solve.transient.integrators.contract import Integrator
+from viscorod.solve.transient.reach_of_velocities import ReachOfVelocities
 from viscorod.solve.transient.saved_state import hand_over
 from viscorod.solve.transient.trial_choice import FARTHEST, FIRST, LONGER, PART, SETTLED
 from viscorod.solve.transient.tried_steps import Reached, Several, TriedStep
 from viscorod.typing import Floats
 
 __all__ = ["HalvedSteps", "Trials"]
+
+LITTLE = 0.3
+"""Part of the errors that are sure which those of the remaining steps may be."""
 
 
 @dataclass
@@ -36,6 +40,7 @@ class Trials:
     Attributes:
         next: number of the step that is tried next; border: of that from which on the next one stands for the others.
         times, lengths: of the steps that were tried again, their ends and how long they are [s].
+        states: at their ends, by their halves; faster: errors of body twists there ``(n, 6)``.
         around: number of the steps around each, and the sum of those powers of their lengths that errors go
             with ``(2,)``.
         errors: their errors in each vibration, of displacement and of velocity over the frequency ``(2, k)``.
@@ -58,6 +63,8 @@ class Trials:
     around: list[Floats] = field(default_factory=lambda: [np.zeros(2)])
     lengths: list[float] = field(default_factory=list)
     times: list[float] = field(default_factory=list)
+    states: list[State] = field(default_factory=list)
+    faster: list[Floats] = field(default_factory=list)
     errors: list[Floats] = field(default_factory=list)
     amplitudes: list[Floats] = field(default_factory=list)
     rigid: list[Floats] = field(default_factory=list)
@@ -80,9 +87,6 @@ class HalvedSteps:
         modes: small motions in which errors are taken apart; problem: that is solved; order: of the method.
         strains: they are unknowns of their own, from which those of the poses drift apart.
         turning: parts may turn against each other, and their motions with them.
-
-    Attributes:
-        states: at the ends of these steps, with their times [s].
     """
 
     def __init__(
@@ -102,7 +106,6 @@ class HalvedSteps:
         self.unit = np.repeat([problem.length, 1.0], 3)
         self._trials = Trials(*np.zeros((2, problem.size, 6)))
         self._unseen: list[TriedStep] = []
-        self.states: list[tuple[float, State]] = []
         self.power, self.seen = order + 1, 1.0
         self._differences = KnownTypes(pose_differences)
         self._start: State | None = None
@@ -110,6 +113,10 @@ class HalvedSteps:
         self._run: Integrator | None = None
         self._kept = self._started = False
         self._duration = np.inf
+
+    @cached_property
+    def _reach(self) -> ReachOfVelocities:
+        return ReachOfVelocities(self.problem, self.modes)
 
     @cached_property
     def twin(self) -> Integrator:
@@ -170,6 +177,31 @@ class HalvedSteps:
         if unseen:
             self._look_at(unseen)
         return self._trials
+
+    def errors(self, stands_for: Floats) -> list[Floats]:
+        """Return what steps err by in each vibration, as ``Trials.errors``, but velocities as far as they go.
+
+        They go as far as vibrations of the present shape do. It is looked at where they tell more than displacements,
+        which a vibration has by turns: in those steps first that have the largest part, and in no more than matter.
+
+        Args:
+            stands_for: for how many steps each of those that were tried again stands ``(j,)``.
+        """
+        trials, found = self.trials, list(self.trials.errors)
+        if not self.turning or not len(self.modes.omega):
+            return found
+        moved, moving = stands_for[:, None] * np.abs(np.array(found)).transpose(1, 0, 2)
+        beyond = np.maximum(moving - moved, 0.0).max(axis=1)
+        known, doubtful = np.minimum(moving, moved).max(axis=1).sum(), beyond.sum()
+        for j in np.argsort(-beyond):
+            if doubtful <= LITTLE * known:
+                break
+            state = trials.states[j]
+            shapes, _ = self._shapes_at(state)
+            found[j] = found[j].copy()
+            found[j][1] = self._reach.along(shapes, state, trials.times[j], trials.faster[j])
+            known, doubtful = known + stands_for[j] * np.abs(found[j][1]).max(), doubtful - beyond[j]
+        return found
 
     @property
     def coming(self) -> tuple[int, float]:
@@ -248,7 +280,7 @@ class HalvedSteps:
         trials = self._trials
         _, _, _, *columns = zip(*steps, strict=True)
         middle, whole, better_middle, better = map(Several.of, columns)
-        self.states += [(step.end, step.better.state) for step in steps]
+        trials.states += [step.better.state for step in steps]
         within = np.abs(self._away(middle, better_middle)).max(axis=0)
         if self.strains:
             inside = _largest(middle.section_force - better_middle.section_force)
@@ -266,6 +298,7 @@ class HalvedSteps:
         moving = np.stack([pose, whole.twist - better.twist, before, whole.twist], axis=1)
         momenta = np.einsum("nij,lknj->lkni", self.mass, moving).reshape(len(steps), 4, -1)
         momenta[:, :2] /= self.seen
+        self._trials.faster += list(moving[:, 1] / self.seen)
         for step, moved, away in zip(steps, momenta, pose / self.seen, strict=True):
             self._take_apart(step.better.state, moved, away)
 

@@ -61,7 +61,7 @@ def participation(
     moved = min(0.5 * faster * duration**2 + begun * duration, FARTHEST)
     response = np.abs(modes.shapes.T @ forces).max(axis=1) / modes.omega**2
     response += np.abs(modes.shapes.T @ momenta) / modes.omega
-    amplitudes = np.array([_size(shape, length) for shape in modes.shapes.T]) * response
+    amplitudes = _sizes(modes.shapes, length) * response
     return Participation(modes.omega[amplitudes > PART * moved], max(math.sqrt(faster), begun))
 
 
@@ -83,8 +83,7 @@ def periods_set_off(
     momenta = np.einsum("nij,nj->ni", problem.mass, state.twist).ravel()
     faster, begun = _begun(problem, modes, forces[:, None], momenta)
     moved = min(0.5 * faster * duration**2 + begun * duration, FARTHEST)
-    sizes = np.array([_size(shape, problem.length) for shape in modes.shapes.T])
-    amplitudes = sizes * np.abs(modes.shapes.T @ forces) / modes.omega**2
+    amplitudes = _sizes(modes.shapes, problem.length) * np.abs(modes.shapes.T @ forces) / modes.omega**2
     largest = int(np.argmax(amplitudes))
     if not amplitudes[largest] > max(TINY, PART * moved):
         return 0.0, 0.0
@@ -100,13 +99,14 @@ def _begun(problem: Problem, modes: StartModes, forces: Floats, momenta: Floats)
     pushed = modes.rigid.T @ forces
     pushed = pushed[:, np.square(pushed).sum(axis=0).argmax()]
     given = modes.rigid @ (modes.rigid.T @ momenta)
-    return _size(modes.rigid @ pushed, problem.length), _size(given, problem.length)
+    faster, begun = _sizes(np.column_stack([modes.rigid @ pushed, given]), problem.length).tolist()
+    return faster, begun
 
 
 def _unbalanced(problem: Problem, state: State, duration: float, held: float) -> Floats:
     """Return what accelerates the nodes of the start at some instants ``(j, n, 6)``, body axes."""
     loads, pose = ExternalLoads(problem), (state.r, state.q)
-    times = np.linspace(0.0, duration, LOOKS + 1)
+    times = np.linspace(0.0, duration, LOOKS + 1) if duration else np.zeros(1)
     corners = np.array([t for t in (*problem.breakpoints, *problem.rows) if 0.0 < t < duration])
     times = np.append(times, corners[:: max(1, len(corners) // MOST_LOOKS)])
     found = np.zeros((len(times), problem.size, 6))
@@ -122,7 +122,7 @@ def _unbalanced(problem: Problem, state: State, duration: float, held: float) ->
     return found
 
 
-def _size(increments: Floats, length: float) -> float:
-    """Return the largest of increments ``(6 n,)``: displacement over length, or rotation."""
-    squares = np.square(increments.reshape(-1, 2, 3)).sum(axis=2).max(axis=0)
-    return math.sqrt(max(squares[0] / length**2, squares[1]))
+def _sizes(increments: Floats, length: float) -> Floats:
+    """Return the largest of each of some increments ``(6 n, k)``: displacement over length, or rotation ``(k,)``."""
+    squares = np.square(increments.reshape(-1, 2, 3, increments.shape[1])).sum(axis=2).max(axis=0)
+    return np.asarray(np.sqrt(np.maximum(squares[0] / length**2, squares[1])))

@@ -27,6 +27,8 @@ MIXED = 0.5
 """Power of their number with which errors add up that faster motions make: their signs are random."""
 RESOLVED = 4.0
 """Eigenvalue times step up to which a vibration is followed and errs by itself; faster ones only follow others."""
+FADED = 0.5
+"""What is left after a step of vibrations that fade in it."""
 SAFETY = 1.5
 """Factor on what was found: too large is less bad than too small."""
 FORCE_SAFETY = 2.0
@@ -36,6 +38,8 @@ LEAST_MOTION = 1e-9
 LEAST_FORCE = 1e-8
 """Part of the force that holds the model at its speed on a circle of its length, below which one is round-off: sections
 of a body that falls freely carry nothing."""
+LOOKS = 6
+"""Numbers of steps, from one to all that one stands for, after which what a jump set off is looked at."""
 FINER = 3.0
 """Times that steps are shorter with which a motion is nearly free of their errors: a few thousandths are left."""
 
@@ -73,20 +77,28 @@ class StepErrors:
         if not trials.lengths:
             return None
         stands_for = _weights(trials, halved.power)
-        lost = _lost(halved, stands_for)
-        vibrating = np.maximum(_vibrations(halved, stands_for), lost / SAFETY) * modes.shapes
+        every = np.outer(trials.lengths, modes.eigenvalues)
+        steps = halved.run.stability(every.ravel()).reshape(every.shape)
+        lost = _lost(trials, every, steps, stands_for)
+        errors, faded = _vibrations(halved, every, steps, stands_for)
+        vibrating = np.maximum(errors, lost / SAFETY) * modes.shapes
         rigid = _rigid_motions(trials, stands_for, end) * modes.rigid
         apart = stands_for.max() if not len(modes.omega) else np.sqrt(stands_for.max())
         rest = (apart * trials.rest).reshape(-1, 1)
-        fields = np.hstack([vibrating, rigid, rest, trials.within.reshape(-1, 1)]).reshape(size, 2, 3, -1)
+        passing = np.abs(faded).max(axis=1, keepdims=True)
+        fields = np.hstack([vibrating, rigid, rest, passing, trials.within.reshape(-1, 1)]).reshape(
+            size, 2, 3, -1
+        )
         gap = SAFETY * np.sqrt(np.square(fields).sum(axis=(2, 3))).max(axis=0)
         followed = min(trials.lengths) * np.abs(modes.eigenvalues) < RESOLVED
-        squares = _squared_forces(_system_of(halved, problem), start, vibrating)
+        squares = _squared_forces(_system_of(halved, problem), start, np.hstack([vibrating, faded]))
+        squares, passing_by = squares[: len(followed)], squares[len(followed) :]
         forces = _largest_forces(squares[followed])
         # stiff sections turn a motion that went far from the start into forces that are none
         stiff = trials.apart
         if not halved.strains:
-            stiff = np.minimum(stiff, _largest_forces(squares[~followed]))
+            most = np.max([_largest_forces(one[None]) for one in passing_by], axis=0)
+            stiff = np.minimum(stiff, np.hypot(_largest_forces(squares[~followed]), most))
         released = _largest_forces(_squared_forces(_system_of(halved, problem), start, lost * modes.shapes))
         forces = np.maximum(FORCE_SAFETY * (forces + stiff), released)
         round_off = LEAST_FORCE * np.max(trials.energies) * np.array([1.0 / problem.length, 1.0])
@@ -152,51 +164,61 @@ def _weights(trials: Trials, power: int) -> Floats:
     return np.asarray(np.clip(alike, 1.0, np.maximum(around[:, 0], 1.0)))
 
 
-def _vibrations(halved: HalvedSteps, stands_for: Floats) -> Floats:
-    """Return the largest error of each vibration at any time ``(k,)``.
+def _vibrations(
+    halved: HalvedSteps, every: np.ndarray, steps: np.ndarray, stands_for: Floats
+) -> tuple[Floats, Floats]:
+    """Return the largest error of each vibration at any time ``(k,)``, and of those that fade, fields ``(6 n, j)``.
+
+    Vibrations that fade within a step hardly move by themselves: their errors stay together as a step leaves them.
 
     What a vibration errs by itself, ``|R - exp|`` of its amplitude, adds up from step to step; what others push it by
     does so in part, within half a period. Later steps damp errors as they damp the vibration, stiff ones at once, and
     wrong velocities of those move nothing. There is no larger error than twice the vibration that there is.
+
+    Args:
+        halved: steps that were tried again; every, steps: their lengths times the eigenvalues of the vibrations, and
+            what the steps make of these ``(j, k)``; stands_for: how many steps each is of ``(j,)``.
     """
-    trials, eigenvalues = halved.trials, halved.modes.eigenvalues
-    error = largest = amplitude = np.zeros(len(eigenvalues))
-    every = np.outer(trials.lengths, eigenvalues)
-    steps = halved.run.stability(every.ravel()).reshape(every.shape)
-    for single, there, z, step, count in zip(
-        trials.errors, trials.amplitudes, every, steps, stands_for, strict=True
-    ):
-        left = np.minimum(np.abs(step), 1.0 - 1e-12)
-        kept, size = left**count, np.hypot(single[0], left * single[1])
-        amplitude = np.maximum(amplitude, there)
-        own = np.where(np.abs(z) < RESOLVED, np.minimum(size, np.abs(step - np.exp(z)) * amplitude), 0.0)
-        summed = (1.0 - kept) / (1.0 - left)
-        mixed = np.minimum(summed**MIXED, 2.0 / np.maximum(np.abs(1.0 - step), 1e-12))
-        error = error * kept + own * summed + (size - own) * mixed
-        largest = np.maximum(largest, np.minimum(error, np.maximum(size, 2.0 * amplitude)))
-    return largest
+    trials = halved.trials
+    single = np.array(list(halved.errors(stands_for)))
+    left = np.minimum(np.abs(steps), 1.0 - 1e-12)
+    fades = np.exp(every.real) < FADED
+    faded = halved.modes.shapes @ np.where(fades, single[:, 0] / (1.0 - left), 0.0).T
+    kept, size = (
+        left ** stands_for[:, None],
+        np.hypot(np.where(fades, 0.0, single[:, 0]), left * single[:, 1]),
+    )
+    amplitude = np.maximum.accumulate(trials.amplitudes)
+    own = np.where(np.abs(every) < RESOLVED, np.minimum(size, np.abs(steps - np.exp(every)) * amplitude), 0.0)
+    summed = (1.0 - kept) / (1.0 - left)
+    mixed = np.minimum(summed**MIXED, 2.0 / np.maximum(np.abs(1.0 - steps), 1e-12))
+    added, most = own * summed + (size - own) * mixed, np.maximum(size, 2.0 * amplitude)
+    error = largest = np.zeros(every.shape[1])
+    for j in range(len(every)):
+        error = error * kept[j] + added[j]
+        largest = np.maximum(largest, np.minimum(error, most[j]))
+    return largest, faded
 
 
-def _lost(halved: HalvedSteps, stands_for: Floats) -> Floats:
+def _lost(trials: Trials, every: np.ndarray, steps: np.ndarray, stands_for: Floats) -> Floats:
     """Return what steps make wrong of vibrations that jumps set off ``(k,)``: at most all that is left of them.
 
     Steps that are longer than a vibration damp it, or keep it out of phase, before any is tried again. Vibrations about
-    the start add up: what one jump sets off goes on after the next.
+    the start add up: what one jump sets off goes on after the next. Arguments as of :func:`_vibrations`.
     """
-    trials, eigenvalues = halved.trials, halved.modes.eigenvalues
-    lengths, times = np.array(trials.lengths), np.array(trials.times)
-    every = np.outer(lengths, eigenvalues)
-    steps, exact = halved.run.stability(every.ravel()).reshape(every.shape), np.exp(every)
-    largest = np.zeros(len(eigenvalues))
-    there, here = np.zeros((2, len(eigenvalues)), dtype=complex)
+    exact, counts = np.exp(every), np.maximum(stands_for, 1.0)[:, None, None]
+    after = (counts ** np.linspace(0.0, 1.0, LOOKS)[:, None]).round()
+    there_then, here_then = exact[:, None] ** after, steps[:, None] ** after
+    there_last, here_last = exact ** stands_for[:, None], steps ** stands_for[:, None]
+    largest = np.zeros(every.shape[1])
+    there, here = np.zeros((2, every.shape[1]), dtype=complex)
     begun = deque(zip(trials.starts, trials.released, strict=True))
-    for j, end in enumerate(times):
+    for j, end in enumerate(trials.times):
         while begun and begun[0][0] < end:
             moved, moving = begun.popleft()[1]
             there, here = there + (moved - 1j * moving), here + (moved - 1j * moving)
-        for n in np.unique(np.geomspace(1.0, max(stands_for[j], 1.0), 6).round()):
-            largest = np.maximum(largest, np.abs(there * exact[j] ** n - here * steps[j] ** n))
-        there, here = there * exact[j] ** stands_for[j], here * steps[j] ** stands_for[j]
+        largest = np.maximum(largest, np.abs(there * there_then[j] - here * here_then[j]).max(axis=0))
+        there, here = there * there_last[j], here * here_last[j]
     return largest
 
 

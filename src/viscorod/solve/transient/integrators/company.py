@@ -1,9 +1,11 @@
 """Collocation of models that differ little, side by side: the first one leads, and the others use what it found.
 
 Where their steps end at the same times, what the prediction of a step lacks is nearly the same for all, and so are the
-factors: what follows needs some iterations, and no factorisation. Each keeps a Jacobian of its own, as old as that of
-the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed to both
-sides the second one's follows from the first one's, to second order, and between the first two is that of no change.
+factors: what follows needs some iterations, and no factorisation. They share its frozen Jacobian as well, which the
+iteration takes stresses along by; with joints, held strains, or strains as states each keeps one of its own, as old as
+that of the leader. What predictions lack is nearly linear in a number, so that of two models with one number changed
+to both sides the second one's follows from the first one's, to second order, and between the first two is that of no
+change.
 
 With joints or held strains the midpoint rule ends a step with velocities that are wrong to second order, and corrects
 them with the matrix of the step before they are recorded. So much depends on that matrix, and on its age, that each
@@ -21,6 +23,7 @@ from viscorod.typing import Floats
 
 if TYPE_CHECKING:
     from viscorod.solve.transient.integrators.collocation import Collocation
+    from viscorod.solve.transient.integrators.stage_data import Matrices
     from viscorod.solve.transient.integrators.stage_systems import StageSystems
 
 __all__ = ["LEFT", "Company", "Member", "predicted_rows"]
@@ -48,12 +51,16 @@ class Company:
 
     Args:
         leader: of the same method as those that follow; member: what it is.
+
+    Attributes:
+        shares: whether its Jacobian serves all.
     """
 
     def __init__(self, leader: Collocation, member: Member) -> None:
         self.leader = leader
         # the midpoint rule, whose ends of steps are corrected
         self._ages_only = leader.stage_constraints is not None and len(leader.ends.r) > 0
+        self.shares = leader.stage_constraints is None and leader.forces.motion is None
         leader.company = self
         if not self._ages_only:
             leader.stale = STALE
@@ -64,7 +71,7 @@ class Company:
         self._of: tuple[Collocation, Floats] | None = None  # who tried last, and what was predicted
         self._jacobians: dict[int, int] = {}  # of the leader, when those that follow had theirs
         self._begun: dict[int, float] = {}
-        self._own: dict[int, StageSystems] = {}
+        self._own: dict[int, tuple[StageSystems, Matrices]] = {}
         self._again = False
 
     def join(self, one: Collocation, member: Member) -> None:
@@ -73,14 +80,14 @@ class Company:
         self.followers.append(one)
         self._members[id(one)] = member
         self._first.setdefault(member.number, member)
-        self._own[id(one)] = one.systems
+        self._own[id(one)] = one.systems, one.matrices
 
     def begin(self, one: Collocation) -> bool | None:
         """Begin a step.
 
         Returns:
-            whether the Jacobian of one that follows is as old as that of the leader; None of the leader itself, and of
-            one that tries the step again. False of a leader with joints or held strains: recorded states are closed
+            whether one that follows has a Jacobian that is as old as that of the leader; None of the leader itself, and
+            of one that tries the step again. False of a leader with joints or held strains: recorded states are closed
             with its matrix, which derivatives take as that of the step.
         """
         if not self._ages_only:
@@ -92,8 +99,8 @@ class Company:
         if one is self.leader:
             return None if one.stage_constraints is None or self._ages_only else False
         if not self._ages_only:
-            self._solve_with(one, self.leader.systems)
-        have = self.up_to_date(one)
+            self._solve_with(one, self.leader.systems, self.leader.matrices)
+        have = self.shares or self.up_to_date(one)
         self._jacobians[id(one)] = self.leader.jacobians
         return have
 
@@ -113,13 +120,15 @@ class Company:
         if one is self.leader:
             return False
         if self._again:
-            self._solve_with(one, self._own[id(one)])
+            self._solve_with(one, *self._own[id(one)])
             self.leader.forget_jacobian()
             return False
         return not self._ages_only and self.leader.factors_of(h)
 
-    def _solve_with(self, one: Collocation, systems: StageSystems) -> None:
+    def _solve_with(self, one: Collocation, systems: StageSystems, matrices: Matrices) -> None:
         one.systems = one.recorder.systems = systems
+        if self.shares:
+            one.matrices = matrices
 
     def correct(self, one: Collocation) -> None:
         """Correct the predicted stages by what those of others lacked, but for a step that is tried again.
@@ -175,9 +184,9 @@ class Company:
     # --- steps that are taken in compiled calls
 
     def lend(self) -> None:
-        """Let all that follow solve with the factors of the leader."""
+        """Let all that follow solve with the factors of the leader, and its Jacobian where it is shared."""
         for one in self.followers:
-            self._solve_with(one, self.leader.systems)
+            self._solve_with(one, self.leader.systems, self.leader.matrices)
 
     def take_back(self, up_to_date: Sequence[Collocation]) -> None:
         """Go on step by step; some followers have a Jacobian as old as that of the leader."""
