@@ -645,7 +645,7 @@ def test_what_is_not_the_materials_is_said():
     told = " ".join(law_sentences(names, merits, errors, 80.0, {names[0]: 0.12}))
     assert "flat_loss (AICc +25), kelvin_voigt (AICc +90)" in told
     assert "not the material's: the air takes its part, 12 % of the lost energy" in told
-    assert "predicts best (times its error: flat_loss 2, kelvin_voigt 4)" in told
+    assert "predicts best (times its error: flat_loss: 2, kelvin_voigt: 4)" in told
     told = " ".join(law_sentences(names, np.array([0.0, 3.0, 90.0]), np.zeros(3), 80.0, {}))
     assert "do not tell whether the air takes part" in told
     assert "not the material's" not in told
