@@ -185,19 +185,18 @@ def double_pendulum():
 MOTIONS = (
     swinging, fading, relaxing, intrinsic, by_alpha, forced, linear, whirling, tumbling, pendulum, double_pendulum,
 )  # fmt: skip
-SHORTER = {swinging: 0.5, relaxing: 0.5, linear: 0.015, double_pendulum: 1.2}
+SHORTER = {swinging: 0.5, relaxing: 0.5, linear: 0.006, double_pendulum: 1.2}
 """Seconds that show as much where small tolerances take very many steps."""
 
 
 def apart(run, fine):
     """Return the largest errors of positions [m] and rotations [rad] of all stations at the ends of all steps."""
-    moved = turned = 0.0
     ends = np.arange(len(run.time)) if run.step_ends is None else run.step_ends
-    for k in ends[1:]:
-        position, rotation = fine.positions_at(run.time[k]), fine.rotations_at(run.time[k])
-        moved = max(moved, np.linalg.norm(run.data["position"].values[k] - position, axis=1).max())
-        away = product(conjugate(rotation), run.data["rotation"].values[k])[:, 1:]
-        turned = max(turned, 2.0 * np.arcsin(np.linalg.norm(away, axis=1)).max())
+    places = list(range(run.data.sizes["station"]))
+    other = fine.probe(places, run.time[ends])
+    moved = np.linalg.norm(run.data["position"].values[ends] - other["position"].values, axis=2).max()
+    away = product(conjugate(other["rotation"].values), run.data["rotation"].values[ends])[..., 1:]
+    turned = 2.0 * np.arcsin(np.linalg.norm(away, axis=2)).max()
     return moved, turned
 
 
