@@ -706,14 +706,14 @@ def test_ctrl_c_in_python_keeps_the_run(tmp_path):
 
     def nagged():
         durations = []  # the shortest counts: one that the machine held up would let all others end undisturbed
-        for number in range(3):
+        for number in range(2):
             begun = time.perf_counter()
             runs.gone_on(tmp_path / f"undisturbed {number}")
             durations.append(time.perf_counter() - begun)
         taken = min(durations)
         signal.signal(signal.SIGALRM, signal.default_int_handler)
         rng, stops = random.Random(4), 0
-        for _ in range(60):
+        for _ in range(15):
             signal.setitimer(signal.ITIMER_REAL, rng.uniform(0.1, 0.5) * taken)
             try:
                 run = runs.gone_on(tmp_path / "nagged")
