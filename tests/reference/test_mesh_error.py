@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import importlib.util
 
 import numpy as np
@@ -289,23 +290,25 @@ def test_a_path_tells_the_error_of_its_mesh(part):
         assert 1 / 3 < found.mesh_errors["arch"] / error < 3
 
 
+@functools.cache
+def swing(elements, order):
+    material = vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
+    model = vr.Model()
+    rod = vr.Rod.straight(
+        (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=material,
+        elements=elements, order=order,
+    )  # fmt: skip
+    model.add("beam", rod)
+    model.clamp("beam.start")
+    model.force("beam.end", (0, 0.035, 0), until=0.0)
+    return model.simulate(1.0, tolerance=1e-6, output_interval=0.02)
+
+
 @pytest.mark.parametrize(("elements", "order"), [(4, 1), (2, 2), (4, 2), (2, 3), (4, 3)])
 def test_estimate_beside_a_refined_swing(elements, order):
     """Refinement: the tutorial's swing for a second, beside 4 elements of order 8."""
 
-    def run(elements, order):
-        material = vr.Material(1e6, 0.3, 1000.0, damping=vr.KelvinVoigt(0.02, 0.02))
-        model = vr.Model()
-        rod = vr.Rod.straight(
-            (0, 0, 0), (0.3, 0, 0), section=vr.Rectangle(0.01, 0.01), material=material,
-            elements=elements, order=order,
-        )  # fmt: skip
-        model.add("beam", rod)
-        model.clamp("beam.start")
-        model.force("beam.end", (0, 0.035, 0), until=0.0)
-        return model.simulate(1.0, tolerance=1e-6, output_interval=0.02)
-
-    found, fine = run(elements, order), run(4, 8)
+    found, fine = swing(elements, order), swing(4, 8)
     error = distance(along(found, "beam", 0.3), along(fine, "beam", 0.3))
     assert 1 / 3 < found.mesh_errors["beam"] / error < 5.0
     assert 1e-7 > fine.mesh_errors["beam"]
@@ -343,36 +346,38 @@ def test_estimate_of_what_a_sudden_load_sets_off(elements, order):
 LINEAR = {"formulation": "intrinsic", "damping": "linearised", "dynamics": "linear"}
 
 
+@functools.cache
+def linear_motion(case, elements, order):
+    material = vr.Material(2e11, 0.3, 7850.0, damping=vr.KelvinVoigt(1e-4, 1e-4))
+    mesh = {
+        "section": vr.Rectangle(0.02, 0.01),
+        "material": material,
+        "elements": elements,
+        "order": order,
+    }
+    model = vr.Model()
+    if case == "released":
+        rod = vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 0, 1), 0.5, 2.0, **mesh)
+    else:
+        rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), **mesh)
+    model.add("bar", rod)
+    model.clamp("bar.start")
+    if case == "sudden":
+        model.distributed_force("bar", (0, 0, 3.0))
+    else:
+        model.force("bar.end", (0, 1.0, 1.0), until=0.0)
+    if case == "stressed":
+        model.force("bar.end", (0, 0, 30.0))
+    initial = "reference" if case == "sudden" else "equilibrium"
+    return model.simulate(0.1, initial=initial, tolerance=1e-7, output_interval=0.005, **LINEAR)
+
+
 @pytest.mark.parametrize("case", ["sudden", "released", "stressed"])
 @pytest.mark.parametrize(("elements", "order"), [(1, 4), (2, 3)])
 def test_linear_motions_tell_the_error_of_their_mesh(case, elements, order):
     """Refinement: a damped bar, or an arc, beside six elements of order 5; the last vibrates about a loaded shape."""
 
-    def run(elements, order):
-        material = vr.Material(2e11, 0.3, 7850.0, damping=vr.KelvinVoigt(1e-4, 1e-4))
-        mesh = {
-            "section": vr.Rectangle(0.02, 0.01),
-            "material": material,
-            "elements": elements,
-            "order": order,
-        }
-        model = vr.Model()
-        if case == "released":
-            rod = vr.Rod.arc((0, 0, 0), (1, 0, 0), (0, 0, 1), 0.5, 2.0, **mesh)
-        else:
-            rod = vr.Rod.straight((0, 0, 0), (1, 0, 0), **mesh)
-        model.add("bar", rod)
-        model.clamp("bar.start")
-        if case == "sudden":
-            model.distributed_force("bar", (0, 0, 3.0))
-        else:
-            model.force("bar.end", (0, 1.0, 1.0), until=0.0)
-        if case == "stressed":
-            model.force("bar.end", (0, 0, 30.0))
-        initial = "reference" if case == "sudden" else "equilibrium"
-        return model.simulate(0.1, initial=initial, tolerance=1e-7, output_interval=0.005, **LINEAR)
-
-    found, fine = run(elements, order), run(6, 5)
+    found, fine = linear_motion(case, elements, order), linear_motion(case, 6, 5)
     error = distance(along(found, "bar", 1.0), along(fine, "bar", 1.0))
     assert 1 / 3 < found.mesh_errors["bar"] / error < 10.0
     assert fine.mesh_errors["bar"] < 1e-6
@@ -518,6 +523,12 @@ def falling_rope(elements, order, **given):
     return falling.simulate(0.4, start=held.equilibrium(), output_interval=0.004, **given)
 
 
+@functools.cache
+def refined_rope():
+    """The same with three times the elements of the coarse ones."""
+    return falling_rope(24, 3, tolerance=1e-5, errors=False)
+
+
 @pytest.mark.parametrize(("elements", "order"), [(8, 3), (8, 2)])
 @pytest.mark.filterwarnings("ignore::viscorod.AccuracyWarning")  # section forces ring
 def test_a_rope_that_is_let_go_tells_the_error_of_its_mesh(elements, order):
@@ -525,7 +536,7 @@ def test_a_rope_that_is_let_go_tells_the_error_of_its_mesh(elements, order):
 
     It is pressed in places, where single states told 0.25 to 11 times the error, and steps choose the states.
     """
-    fine = falling_rope(24, 3, tolerance=1e-5, errors=False)
+    fine = refined_rope()
     length = float(fine.data["station_s"].values[-1])  # that of the splines through the points
     runs = [falling_rope(elements, order, tolerance=tolerance) for tolerance in (1e-4, 1e-6)]
     told = [run.mesh_errors["rope"] for run in runs]
