@@ -92,14 +92,18 @@ def test_members_leave_no_garbage(kind):
     def compute():
         vr.sweep(case_with(kind), {MODULUS: MODULI}, workers=1, errors=0, quantities={"one": float_of})
 
+    def left():
+        gc.collect()
+        gc.disable()
+        try:
+            compute()
+            return gc.collect()
+        finally:
+            gc.enable()
+
     compute()  # what is made once
-    gc.collect()
-    gc.disable()
-    try:
-        compute()
-        assert gc.collect() == 0
-    finally:
-        gc.enable()
+    # members leave every time what they leave; what a thread of another test leaves just then comes once
+    assert any(left() == 0 for _ in range(3))
 
 
 def float_of(result):
