@@ -1,5 +1,6 @@
 """What stands beside the type of a field serves docstrings, schema and units: it does not depend on docstrings."""
 
+import os
 import subprocess
 import sys
 from pathlib import Path
@@ -90,16 +91,10 @@ def test_units_are_known_without_docstrings(tmp_path):
     text = CASE.read_text(encoding="utf-8").replace("width = 0.01 ", 'width = "10 mm" ')
     case = tmp_path / "case.toml"
     case.write_text(text, encoding="utf-8")
-    lines = """
-import sys
-from viscorod.casefile.case import load_case
-from viscorod.cli.app import main
-print(*load_case(sys.argv[1]).conversions)
-sys.argv = ["viscorod", "check", "--help"]
-main()
-"""
-    command = [sys.executable, "-OO", "-c", lines, str(case)]
-    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, check=False)
+    command = [sys.executable, "-OO", "-m", "viscorod", "check", str(case)]
+    environment = os.environ | {
+        "NUMBA_DISABLE_JIT": "1"
+    }  # or all kernels are compiled without docstrings too
+    run = subprocess.run(command, capture_output=True, text=True, cwd=tmp_path, env=environment, check=False)
     assert run.returncode == 0, run.stdout + run.stderr
-    assert "given='10 mm', value=0.01, unit='m'" in run.stdout
-    assert "Validate a case" not in run.stdout  # it has none
+    assert "10 mm  0.01 m" in run.stdout

@@ -155,7 +155,7 @@ class Columns:
                 key,
                 wanted,
                 f"the source does not give the unit of {column}",
-                f"write it beside its name, or give {argument}{self._in(key, unit)}",
+                f"write it beside its name, or give {argument}{self._times(unit) if key == 'time' else ''}",
             )
         values = self.values[:, k]
         if np.iscomplexobj(values):
@@ -166,12 +166,12 @@ class Columns:
         found: Floats = np.asarray(values, dtype=float) * si_factor(self.source, column, chosen, unit)
         return found
 
-    def _in(self, key: str, unit: str) -> str:
-        """Return a hint at columns that have a unit of times, where another one was taken for these."""
+    def _times(self, unit: str) -> str:
+        """Return a hint at a column that has a unit of times, where another one was taken for them."""
         own = [
             name
             for name, written in zip(self.names, self.units, strict=True)
-            if key == "time" and written is not None and is_of_kind(written, unit)
+            if written is not None and is_of_kind(written, unit)
         ]
         return f", or the column that has times: time = {own[0]!r}" if own else ""
 
